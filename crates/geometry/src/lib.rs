@@ -1,2 +1,24 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Placeholder.
+//! Everything a ray can hit, and how it is found: exact shapes, transforms, the hierarchy of boxes.
+//!
+//! Knows nothing of colour, light or files. The way of a query:
+//! [`Ray`] -> (instance, object) transforms -> [`LocalRay`] -> [`Shape::intersect`] -> nearest hit ->
+//! [`Shape::surface`] once -> [`Surface`] in the space of the ray.
+//!
+//! There is no global epsilon (invariant 6). A ray knows a bound on the error of its origin, and
+//! which point of which object it leaves ([`Departure`]): on that object the point itself is ignored,
+//! on any other object a surface within the bound is hit at `t = 0`.
+
+#![forbid(unsafe_code)]
+
+pub mod bounds;
+pub mod ray;
+pub mod shape;
+pub mod shapes;
+pub mod transform;
+
+pub use bounds::Bounds;
+pub use ray::{Departure, HitId, Leaving, LocalRay, Ray};
+pub use shape::{Crossing, LocalSurface, Root, Shape};
+pub use shapes::AnyShape;
+pub use transform::Transform;

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The registry of shapes: one line each. From it come the enum, its dispatch, the table of schemas
+//! and the list over which the batteries of tests run.
+
+use dioptric_math::DVec3;
+use dioptric_scene::{Args, Diagnostic, Schema};
+
+use crate::bounds::Bounds;
+use crate::ray::LocalRay;
+use crate::shape::{Crossing, LocalSurface, Root, Shape};
+
+pub mod sphere;
+
+macro_rules! registry {
+    ($($variant:ident($ty:ty),)*) => {
+        /// Any shape, dispatched without a virtual call. Large ones are boxed, so that a sphere stays small.
+        #[derive(Clone, Debug)]
+        pub enum AnyShape {
+            $(#[doc = concat!("See [`", stringify!($ty), "`].")] $variant($ty),)*
+        }
+
+        /// The schemas of all shapes.
+        pub static SCHEMAS: &[&Schema] = &[$(<$ty as Shape>::SCHEMA,)*];
+
+        impl AnyShape {
+            /// Builds the shape that a node describes; `None` where the node is no shape of this registry
+            /// (a group, for one).
+            ///
+            /// # Errors
+            /// The arguments do not make a shape.
+            pub fn from_args(args: &Args) -> Result<Option<Self>, Diagnostic> {
+                let kind = args.node().schema.kind;
+                $(if kind == <$ty as Shape>::SCHEMA.kind {
+                    return <$ty as Shape>::from_args(args).map(|s| Some(Self::$variant(s)));
+                })*
+                Ok(None)
+            }
+
+            /// See [`Shape::SCHEMA`].
+            #[must_use]
+            pub fn schema(&self) -> &'static Schema {
+                match self { $(Self::$variant(_) => <$ty as Shape>::SCHEMA,)* }
+            }
+
+            /// See [`Shape::bounds`].
+            #[must_use]
+            pub fn bounds(&self) -> Bounds {
+                match self { $(Self::$variant(s) => s.bounds(),)* }
+            }
+
+            /// See [`Shape::is_solid`].
+            #[must_use]
+            pub fn is_solid(&self) -> bool {
+                match self { $(Self::$variant(s) => s.is_solid(),)* }
+            }
+
+            /// See [`Shape::is_convex`].
+            #[must_use]
+            pub fn is_convex(&self) -> bool {
+                match self { $(Self::$variant(s) => s.is_convex(),)* }
+            }
+
+            /// See [`Shape::intersect`].
+            #[must_use]
+            pub fn intersect(&self, ray: &LocalRay) -> Option<Root> {
+                match self { $(Self::$variant(s) => s.intersect(ray),)* }
+            }
+
+            /// See [`Shape::crossings`].
+            pub fn crossings(&self, ray: &LocalRay, out: &mut Vec<Crossing>) {
+                match self { $(Self::$variant(s) => s.crossings(ray, out),)* }
+            }
+
+            /// See [`Shape::surface`].
+            #[must_use]
+            pub fn surface(&self, point: DVec3, part: u32) -> LocalSurface {
+                match self { $(Self::$variant(s) => s.surface(point, part),)* }
+            }
+        }
+    };
+}
+
+registry! {
+    Sphere(sphere::Sphere),
+}
+
+impl<S: Shape> Shape for Box<S> {
+    const SCHEMA: &'static Schema = S::SCHEMA;
+
+    fn from_args(args: &Args) -> Result<Self, Diagnostic> {
+        S::from_args(args).map(Box::new)
+    }
+
+    fn bounds(&self) -> Bounds {
+        (**self).bounds()
+    }
+
+    fn is_solid(&self) -> bool {
+        (**self).is_solid()
+    }
+
+    fn is_convex(&self) -> bool {
+        (**self).is_convex()
+    }
+
+    fn intersect(&self, ray: &LocalRay) -> Option<Root> {
+        (**self).intersect(ray)
+    }
+
+    fn crossings(&self, ray: &LocalRay, out: &mut Vec<Crossing>) {
+        (**self).crossings(ray, out);
+    }
+
+    fn surface(&self, point: DVec3, part: u32) -> LocalSurface {
+        (**self).surface(point, part)
+    }
+}
