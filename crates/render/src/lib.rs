@@ -1,2 +1,25 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Placeholder.
+//! From a [`dioptric_scene::Description`] to light: patterns, materials, lights, cameras, sampling,
+//! integrators, film and `why`.
+//!
+//! The way of the data: [`compile`](build) turns a description into an immutable [`Scene`]; a job
+//! asks the sampler for samples of a pixel, the camera for a ray, the integrator for its radiance,
+//! and adds it to the film. `why` runs the same integrator with a recorder that keeps everything.
+//!
+//! The crate reads no files (bytes come through a `Loader`), prints nothing, ends no process and
+//! starts no threads but those of the pool it is given.
+
+#![forbid(unsafe_code)]
+
+pub mod build;
+pub mod camera;
+pub mod input;
+pub mod light;
+pub mod material;
+pub mod pattern;
+pub mod sampling;
+pub mod setting;
+pub mod vocabulary;
+
+pub use input::{ColorInput, NumberInput};
+pub use vocabulary::vocabulary;

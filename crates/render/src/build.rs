@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What the `from_args` of patterns, materials and lights are built with: colours decoded as the
+//! scene says, patterns shared, pictures loaded once.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use dioptric_math::Spectrum;
+use dioptric_scene::{Args, Description, Diagnostic, NodeId, Value, color};
+
+use crate::input::{ColorInput, NumberInput};
+use crate::pattern::AnyPattern;
+
+/// How colours in the scene's text and its pictures are to be read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum ColorReading {
+    /// As sRGB values, decoded to linear light.
+    #[default]
+    Srgb,
+    /// As they are (`scene(colors = "raw")` and `"linear"`).
+    Raw,
+}
+
+impl ColorReading {
+    /// A written colour in linear light.
+    #[must_use]
+    pub fn decode(self, rgb: [f64; 3]) -> Spectrum {
+        match self {
+            Self::Srgb => Spectrum::from(rgb.map(srgb_to_linear)),
+            Self::Raw => Spectrum::from(rgb),
+        }
+    }
+}
+
+/// The inverse of sRGB's transfer function (IEC 61966-2-1:1999); values above 1 go on with the curve.
+#[must_use]
+pub fn srgb_to_linear(v: f64) -> f64 {
+    if v <= 0.04045 { v / 12.92 } else { dioptric_math::pow((v + 0.055) / 1.055, 2.4) }
+}
+
+/// The state of building one scene's values.
+pub struct Builder<'a> {
+    /// What is built from.
+    pub description: &'a Description,
+    /// How colours are read.
+    pub reading: ColorReading,
+    patterns: HashMap<NodeId, Arc<AnyPattern>>,
+}
+
+impl<'a> Builder<'a> {
+    /// A builder with nothing built yet.
+    #[must_use]
+    pub fn new(description: &'a Description, reading: ColorReading) -> Self {
+        Self { description, reading, patterns: HashMap::new() }
+    }
+
+    /// The pattern of a node, built once and shared.
+    ///
+    /// # Errors
+    /// Its arguments are wrong.
+    pub fn pattern(&mut self, id: NodeId) -> Result<Arc<AnyPattern>, Diagnostic> {
+        if let Some(done) = self.patterns.get(&id) {
+            return Ok(done.clone());
+        }
+        // Nodes refer only to earlier nodes, so this recursion ends; readers bound its depth.
+        let built = Arc::new(AnyPattern::from_args(&Args::new(self.description, id), self)?);
+        self.patterns.insert(id, built.clone());
+        Ok(built)
+    }
+
+    /// A colour argument: constant or pattern.
+    ///
+    /// # Errors
+    /// It is missing or wrong.
+    pub fn color(&mut self, args: &Args, name: &str) -> Result<ColorInput, Diagnostic> {
+        match args.value(name)? {
+            Some(Value::Node(id)) => Ok(ColorInput::Pattern(self.pattern(id)?)),
+            _ => args.color(name).map(|rgb| ColorInput::Constant(self.reading.decode(rgb))),
+        }
+    }
+
+    /// A number argument: constant or pattern.
+    ///
+    /// # Errors
+    /// It is missing or wrong.
+    pub fn number(&mut self, args: &Args, name: &str) -> Result<NumberInput, Diagnostic> {
+        match args.value(name)? {
+            Some(Value::Node(id)) => Ok(NumberInput::Pattern(self.pattern(id)?)),
+            _ => args.number(name).map(NumberInput::Constant),
+        }
+    }
+
+    /// A colour that cannot vary, in linear light.
+    ///
+    /// # Errors
+    /// It is missing or wrong.
+    pub fn constant_color(&self, args: &Args, name: &str) -> Result<Spectrum, Diagnostic> {
+        args.color(name).map(|rgb| self.reading.decode(rgb))
+    }
+
+    /// A list item or other value that must be a colour or a pattern.
+    ///
+    /// # Errors
+    /// It is neither.
+    pub fn color_value(
+        &mut self,
+        args: &Args,
+        name: &str,
+        value: &Value,
+    ) -> Result<ColorInput, Diagnostic> {
+        match value {
+            Value::Node(id) => Ok(ColorInput::Pattern(self.pattern(*id)?)),
+            other => match color::from_value(other) {
+                Ok(rgb) => Ok(ColorInput::Constant(self.reading.decode(rgb))),
+                Err(why) => Err(args.error(name, "wrong-color", why.message).help(why.help)),
+            },
+        }
+    }
+}

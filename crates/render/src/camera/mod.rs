@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The registry of cameras. One file and one line each.
+
+use dioptric_geometry::Ray;
+use dioptric_scene::{Args, Diagnostic, Schema};
+
+use crate::setting::root::Root;
+
+pub mod perspective;
+
+/// A camera.
+pub trait Camera: Sized {
+    /// The camera's manual page and parameters.
+    const SCHEMA: &'static Schema;
+
+    /// Builds the camera from checked arguments; `root` carries it to the space of rays and `aspect`
+    /// is width over height of the full picture.
+    ///
+    /// # Errors
+    /// The arguments make no camera.
+    fn from_args(args: &Args, root: &Root, aspect: f64) -> Result<Self, Diagnostic>;
+
+    /// The ray through a point of the picture: `x` and `y` in `[0, 1]` from its top left corner to
+    /// its bottom right one; `lens` is two numbers in `[0, 1)` that pick a point of the lens. The
+    /// direction is a unit vector. `None` where the camera sees nothing.
+    fn ray(&self, x: f64, y: f64, lens: [f64; 2]) -> Option<Ray>;
+
+    /// Whether `lens` matters.
+    fn has_lens(&self) -> bool {
+        false
+    }
+}
+
+macro_rules! registry {
+    ($($variant:ident($ty:ty),)*) => {
+        /// Any camera, dispatched without a virtual call.
+        #[derive(Clone, Debug)]
+        pub enum AnyCamera {
+            $(#[doc = concat!("See [`", stringify!($ty), "`].")] $variant($ty),)*
+        }
+
+        /// The schemas of all cameras.
+        pub static SCHEMAS: &[&Schema] = &[$(<$ty as Camera>::SCHEMA,)*];
+
+        impl AnyCamera {
+            /// Builds the camera that a node describes.
+            ///
+            /// # Errors
+            /// The node is no camera, or its arguments make none.
+            pub fn from_args(args: &Args, root: &Root, aspect: f64) -> Result<Self, Diagnostic> {
+                let kind = args.node().schema.kind;
+                $(if kind == <$ty as Camera>::SCHEMA.kind {
+                    return <$ty as Camera>::from_args(args, root, aspect).map(Self::$variant);
+                })*
+                Err(args.error_here("internal", format!("{kind} is no camera")))
+            }
+
+            /// See [`Camera::ray`].
+            #[must_use]
+            pub fn ray(&self, x: f64, y: f64, lens: [f64; 2]) -> Option<Ray> {
+                match self { $(Self::$variant(c) => c.ray(x, y, lens),)* }
+            }
+
+            /// See [`Camera::has_lens`].
+            #[must_use]
+            pub fn has_lens(&self) -> bool {
+                match self { $(Self::$variant(c) => c.has_lens(),)* }
+            }
+        }
+    };
+}
+
+registry! {
+    Perspective(perspective::Perspective),
+}

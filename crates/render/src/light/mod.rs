@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The registry of lights. One file and one line each.
+
+use dioptric_math::{DVec3, Spectrum};
+use dioptric_scene::{Args, Diagnostic, Schema};
+
+use crate::build::Builder;
+use crate::setting::root::Root;
+
+pub mod point;
+
+/// What one light sends to one point, before anything blocks it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightSample {
+    /// Unit vector towards the light, in the space of rays.
+    pub direction: DVec3,
+    /// Distance to the light along it, in the space of rays; infinite for directional lights.
+    pub distance: f64,
+    /// What arrives, the light's falloff and cone included.
+    pub arriving: Spectrum,
+}
+
+/// A light.
+pub trait Light: Sized {
+    /// The light's manual page and parameters.
+    const SCHEMA: &'static Schema;
+
+    /// Builds the light from checked arguments; `root` carries positions to the space of rays.
+    ///
+    /// # Errors
+    /// The arguments make no light.
+    fn from_args(args: &Args, builder: &mut Builder, root: &Root) -> Result<Self, Diagnostic>;
+
+    /// What arrives at a point (in the space of rays) from the part of the light that `u` picks,
+    /// two numbers in `[0, 1)`; `None` where nothing can arrive. The mean over uniform `u` is the
+    /// light's whole effect.
+    fn sample(&self, point: DVec3, u: [f64; 2]) -> Option<LightSample>;
+
+    /// How many samples a Whitted picture takes of it: 1 for lights without a size.
+    fn samples(&self) -> u32 {
+        1
+    }
+}
+
+macro_rules! registry {
+    ($($variant:ident($ty:ty),)*) => {
+        /// Any light, dispatched without a virtual call.
+        #[derive(Clone, Debug)]
+        pub enum AnyLight {
+            $(#[doc = concat!("See [`", stringify!($ty), "`].")] $variant($ty),)*
+        }
+
+        /// The schemas of all lights.
+        pub static SCHEMAS: &[&Schema] = &[$(<$ty as Light>::SCHEMA,)*];
+
+        impl AnyLight {
+            /// Builds the light that a node describes.
+            ///
+            /// # Errors
+            /// The node is no light, or its arguments make none.
+            pub fn from_args(args: &Args, builder: &mut Builder, root: &Root) -> Result<Self, Diagnostic> {
+                let kind = args.node().schema.kind;
+                $(if kind == <$ty as Light>::SCHEMA.kind {
+                    return <$ty as Light>::from_args(args, builder, root).map(Self::$variant);
+                })*
+                Err(args.error_here("internal", format!("{kind} is no light")))
+            }
+
+            /// See [`Light::sample`].
+            #[must_use]
+            pub fn sample(&self, point: DVec3, u: [f64; 2]) -> Option<LightSample> {
+                match self { $(Self::$variant(l) => l.sample(point, u),)* }
+            }
+
+            /// See [`Light::samples`].
+            #[must_use]
+            pub fn samples(&self) -> u32 {
+                match self { $(Self::$variant(l) => l.samples(),)* }
+            }
+        }
+    };
+}
+
+registry! {
+    Point(point::Point),
+}

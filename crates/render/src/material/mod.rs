@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The registry of materials: how surfaces answer light. One file and one line each.
+
+use dioptric_math::Spectrum;
+use dioptric_scene::{Args, Diagnostic, Schema};
+
+use crate::build::Builder;
+use crate::input::NumberInput;
+use crate::pattern::PatternPoint;
+
+pub mod matte;
+
+/// The shape of a highlight.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HighlightModel {
+    /// `max(0, r . v)^n` with the mirrored light direction r (Phong 1975).
+    Phong,
+    /// `max(0, n . h)^n` with the half vector h (Blinn 1977).
+    Blinn,
+}
+
+/// A highlight of a light on a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Highlight {
+    /// Which formula.
+    pub model: HighlightModel,
+    /// Its colour and strength.
+    pub color: Spectrum,
+    /// Its exponent.
+    pub exponent: f64,
+}
+
+/// What is seen in or through a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Optics {
+    /// Nothing: only the own colour.
+    Opaque,
+    /// `own + reflect * mirrored`; the mirrored ray spread by `roughness` (0 is sharp).
+    Mirror {
+        /// Weight of the mirrored ray at normal incidence.
+        reflect: Spectrum,
+        /// Weight at grazing incidence, reached by Schlick's curve; equal to `reflect` for none.
+        grazing: Spectrum,
+        /// Spread: the GGX alpha; 0 is a perfect mirror.
+        roughness: f64,
+    },
+    /// The report's transparency: `share * own + (1 - share) * seen`, by fixed shares, without
+    /// Fresnel. The ray is bent on entering and leaving the object; inside, total internal
+    /// reflection is followed. The whole passage counts as one bounce.
+    Shares {
+        /// The share of the surface's own colour, 0 to 1.
+        own: f64,
+        /// Index of refraction of the inside relative to the outside.
+        ior: f64,
+        /// Colour that multiplies what is seen; white for none.
+        tint: Spectrum,
+        /// Absorbed per unit of length inside, per lane (Beer and Lambert).
+        absorption: Spectrum,
+    },
+    /// A dielectric: reflected and refracted rays weighted by Fresnel's equations, with the media
+    /// that the ray is in.
+    Dielectric {
+        /// Index of refraction.
+        ior: f64,
+        /// Multiplies the reflected ray.
+        reflect: Spectrum,
+        /// Multiplies the refracted ray.
+        transmit: Spectrum,
+        /// Absorbed per unit of length inside, per lane.
+        absorption: Spectrum,
+        /// Spread of both rays: the GGX alpha.
+        roughness: f64,
+    },
+}
+
+/// A surface's answer at one point in Whitted's model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Finish {
+    /// The pattern's or constant base colour, for `why` and the albedo layer.
+    pub base: Spectrum,
+    /// Multiplies the ambient light.
+    pub ambient: Spectrum,
+    /// Multiplies `n . l` and the light's colour.
+    pub diffuse: Spectrum,
+    /// The highlight.
+    pub highlight: Option<Highlight>,
+    /// Light of its own.
+    pub emission: Spectrum,
+    /// What is seen in or through it.
+    pub optics: Optics,
+    /// How much of a shadow it casts where the scene's shadows are tinted: the light that passes,
+    /// 0 for opaque.
+    pub shadow_pass: Spectrum,
+}
+
+impl Finish {
+    /// A surface that only has ambient and diffuse light of one colour.
+    #[must_use]
+    pub const fn matte(color: Spectrum) -> Self {
+        Self {
+            base: color,
+            ambient: color,
+            diffuse: color,
+            highlight: None,
+            emission: Spectrum::ZERO,
+            optics: Optics::Opaque,
+            shadow_pass: Spectrum::ZERO,
+        }
+    }
+}
+
+/// A bump map: the surface is displaced along its normal by `height`, in object units; only the
+/// shading normal changes.
+#[derive(Clone, Debug)]
+pub struct Bump {
+    /// The height.
+    pub height: NumberInput,
+    /// Multiplies the height.
+    pub scale: f64,
+}
+
+/// A material.
+pub trait Material: Sized {
+    /// The material's manual page and parameters.
+    const SCHEMA: &'static Schema;
+
+    /// Builds the material from checked arguments.
+    ///
+    /// # Errors
+    /// The arguments make no material.
+    fn from_args(args: &Args, builder: &mut Builder) -> Result<Self, Diagnostic>;
+
+    /// The answer at a point in Whitted's model.
+    fn finish(&self, point: &PatternPoint) -> Finish;
+
+    /// The bump map, if any.
+    fn bump(&self) -> Option<&Bump> {
+        None
+    }
+}
+
+macro_rules! registry {
+    ($($variant:ident($ty:ty),)*) => {
+        /// Any material, dispatched without a virtual call.
+        #[derive(Clone, Debug)]
+        pub enum AnyMaterial {
+            $(#[doc = concat!("See [`", stringify!($ty), "`].")] $variant($ty),)*
+        }
+
+        /// The schemas of all materials.
+        pub static SCHEMAS: &[&Schema] = &[$(<$ty as Material>::SCHEMA,)*];
+
+        impl AnyMaterial {
+            /// Builds the material that a node describes.
+            ///
+            /// # Errors
+            /// The node is no material, or its arguments make none.
+            pub fn from_args(args: &Args, builder: &mut Builder) -> Result<Self, Diagnostic> {
+                let kind = args.node().schema.kind;
+                $(if kind == <$ty as Material>::SCHEMA.kind {
+                    return <$ty as Material>::from_args(args, builder).map(Self::$variant);
+                })*
+                Err(args.error_here("internal", format!("{kind} is no material")))
+            }
+
+            /// See [`Material::finish`].
+            #[must_use]
+            pub fn finish(&self, point: &PatternPoint) -> Finish {
+                match self { $(Self::$variant(m) => m.finish(point),)* }
+            }
+
+            /// See [`Material::bump`].
+            #[must_use]
+            pub fn bump(&self) -> Option<&Bump> {
+                match self { $(Self::$variant(m) => m.bump(),)* }
+            }
+        }
+    };
+}
+
+registry! {
+    Matte(matte::Matte),
+}

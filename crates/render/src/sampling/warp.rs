@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Maps from the unit square to other domains that keep areas in proportion.
+
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+
+use dioptric_math::sin_cos;
+
+/// A point of the unit disc, uniform for uniform `u` (Shirley and Chiu, "A Low Distortion Map Between
+/// Disk and Square", Journal of Graphics Tools 2(3), 1997).
+#[must_use]
+pub fn concentric_disc(u: [f64; 2]) -> [f64; 2] {
+    let (x, y) = (2.0 * u[0] - 1.0, 2.0 * u[1] - 1.0);
+    if x == 0.0 && y == 0.0 {
+        return [0.0, 0.0];
+    }
+    let (r, angle) = if x.abs() > y.abs() {
+        (x, FRAC_PI_4 * (y / x))
+    } else {
+        (y, FRAC_PI_2 - FRAC_PI_4 * (x / y))
+    };
+    let (s, c) = sin_cos(angle);
+    [r * c, r * s]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn disc_is_covered_uniformly() {
+        let n = 200;
+        let (mut inner, mut total) = (0, 0);
+        for i in 0..n {
+            for j in 0..n {
+                let [x, y] = concentric_disc([
+                    (f64::from(i) + 0.5) / f64::from(n),
+                    (f64::from(j) + 0.5) / f64::from(n),
+                ]);
+                let r2 = x * x + y * y;
+                assert!(r2 <= 1.0 + 1e-12);
+                total += 1;
+                inner += i32::from(r2 < 0.25);
+            }
+        }
+        assert!((f64::from(inner) / f64::from(total) - 0.25).abs() < 5e-3);
+    }
+}
