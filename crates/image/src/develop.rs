@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Developing: from linear light to the values that a display shows, in three steps.
+//!
+//! light x exposure -> tone curve -> encoding -> 8 or 16 bits. Every step works in `f64` with the
+//! deterministic functions of `dioptric-math`, so a pixel has the same bits on every processor.
+
+use crate::error::ImageError;
+use crate::names;
+use crate::transfer::{Encoding, quantize_8, quantize_16};
+
+/// The curve that brings light without an upper end into 0 to 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Tone {
+    /// No curve: what is above 1 is cut.
+    #[default]
+    None,
+    /// Every channel divided by 1 + luminance: Reinhard et al., "Photographic Tone Reproduction
+    /// for Digital Images", SIGGRAPH 2002, equation 3, applied to the luminance.
+    Reinhard,
+    /// A film's toe and shoulder: Hable, "Filmic Tonemapping Operators", 2010 (the curve of the
+    /// game Uncharted 2), with its constants, exposure bias 2 and white at 11.2.
+    Filmic,
+    /// Narkowicz, "ACES Filmic Tone Mapping Curve", 2016: a rational fit to the reference
+    /// rendering of the Academy Color Encoding System, more contrast than `filmic`.
+    Aces,
+}
+
+impl Tone {
+    /// The names that [`Tone::parse`] knows.
+    pub const NAMES: [&'static str; 4] = ["none", "reinhard", "filmic", "aces"];
+
+    /// The tone curve of a name.
+    ///
+    /// # Errors
+    /// Names that are not in [`Tone::NAMES`]; the error lists them.
+    pub fn parse(name: &str) -> Result<Self, ImageError> {
+        match name {
+            "none" => Ok(Self::None),
+            "reinhard" => Ok(Self::Reinhard),
+            "filmic" => Ok(Self::Filmic),
+            "aces" => Ok(Self::Aces),
+            _ => Err(names::unknown("tone curve", name, &Self::NAMES)),
+        }
+    }
+
+    /// Its name.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Reinhard => "reinhard",
+            Self::Filmic => "filmic",
+            Self::Aces => "aces",
+        }
+    }
+
+    /// The curve's value for finite light, clamped to 0..1.
+    #[must_use]
+    pub fn apply(self, [r, g, b]: [f64; 3]) -> [f64; 3] {
+        let mapped = match self {
+            Self::None => [r, g, b],
+            Self::Reinhard => {
+                let luminance = dioptric_math::luminance([r, g, b].into()).max(0.0);
+                [r, g, b].map(|c| c / (1.0 + luminance))
+            }
+            Self::Filmic => [r, g, b].map(|c| hable(2.0 * c.max(0.0)) / hable(11.2)),
+            Self::Aces => [r, g, b].map(|c| narkowicz(c.max(0.0))),
+        };
+        mapped.map(|c| c.clamp(0.0, 1.0))
+    }
+}
+
+/// Hable's curve before the division by its value at white.
+fn hable(x: f64) -> f64 {
+    const A: f64 = 0.15; // shoulder strength
+    const B: f64 = 0.50; // linear strength
+    const C: f64 = 0.10; // linear angle
+    const D: f64 = 0.20; // toe strength
+    const E: f64 = 0.02; // toe numerator
+    const F: f64 = 0.30; // toe denominator
+    (x * (A * x + C * B) + D * E) / (x * (A * x + B) + D * F) - E / F
+}
+
+/// Narkowicz's fit.
+fn narkowicz(x: f64) -> f64 {
+    (x * (2.51 * x + 0.03)) / (x * (2.43 * x + 0.59) + 0.14)
+}
+
+/// How linear light becomes a shown picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Develop {
+    /// The factor that multiplies the light first.
+    pub exposure: f64,
+    /// The curve into 0..1.
+    pub tone: Tone,
+    /// The encoding of the result.
+    pub encoding: Encoding,
+}
+
+impl Default for Develop {
+    fn default() -> Self {
+        Self { exposure: 1.0, tone: Tone::None, encoding: Encoding::Srgb }
+    }
+}
+
+impl Develop {
+    /// Every step by name with the values after it: `exposure`, `tone`, `encoding`.
+    ///
+    /// [`Develop::to_u8`] and [`Develop::to_u16`] quantise the last of them and nothing else. All values are
+    /// finite: NaN light counts as 0 and infinite light as the largest `f32`.
+    #[must_use]
+    pub fn steps(&self, linear: [f32; 3]) -> Vec<(&'static str, [f64; 3])> {
+        let [exposed, toned, encoded] = self.stages(linear);
+        vec![("exposure", exposed), ("tone", toned), ("encoding", encoded)]
+    }
+
+    /// The developed values, 0 to 1, before they are quantised.
+    #[must_use]
+    pub fn apply(&self, linear: [f32; 3]) -> [f64; 3] {
+        let [_, _, encoded] = self.stages(linear);
+        encoded
+    }
+
+    /// The developed 8-bit colour: `floor(255 v + 0.5)`.
+    #[must_use]
+    pub fn to_u8(&self, linear: [f32; 3]) -> [u8; 3] {
+        self.apply(linear).map(quantize_8)
+    }
+
+    /// The developed 16-bit colour: `floor(65535 v + 0.5)`.
+    #[must_use]
+    pub fn to_u16(&self, linear: [f32; 3]) -> [u16; 3] {
+        self.apply(linear).map(quantize_16)
+    }
+
+    fn stages(&self, linear: [f32; 3]) -> [[f64; 3]; 3] {
+        let exposed = linear.map(|c| {
+            // Through f32's range, so that squares in the curves stay finite in f64.
+            let light = f64::from(c) * self.exposure;
+            if light.is_nan() { 0.0 } else { light.clamp(f64::from(f32::MIN), f64::from(f32::MAX)) }
+        });
+        let toned = self.tone.apply(exposed);
+        [exposed, toned, toned.map(|c| self.encoding.encode(c))]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ALL: [Tone; 4] = [Tone::None, Tone::Reinhard, Tone::Filmic, Tone::Aces];
+
+    #[test]
+    fn raw_development_is_rounding_alone() {
+        let raw = Develop { exposure: 1.0, tone: Tone::None, encoding: Encoding::Raw };
+        assert_eq!(raw.to_u8([0.5, 1.5, -1.0]), [128, 255, 0]);
+        assert_eq!(raw.to_u16([1.0, 0.25, f32::NAN]), [65535, 16384, 0]);
+        assert_eq!(Develop { exposure: 0.8, ..raw }.to_u8([1.0, 0.5, 0.25]), [204, 102, 51]);
+    }
+
+    #[test]
+    fn curves_rise_from_black_to_at_most_white() {
+        for tone in ALL {
+            assert_eq!(tone.apply([0.0; 3]).map(|c| c.abs() < 1e-12), [true; 3], "{tone:?}");
+            let mut last = 0.0;
+            for i in 1..2000 {
+                let [v, _, _] = tone.apply([f64::from(i) * 0.01; 3]);
+                assert!(v >= last && v <= 1.0, "{tone:?} at {i}");
+                last = v;
+            }
+            assert!(last > 0.9, "{tone:?} reaches {last}");
+        }
+    }
+
+    #[test]
+    fn curves_have_their_published_values() {
+        // Worked out by hand from the papers' formulas at light 1.
+        assert_eq!(Tone::Reinhard.apply([1.0; 3])[0], 0.5);
+        assert!((Tone::Filmic.apply([1.0; 3])[0] - 0.492_919).abs() < 1e-5);
+        assert!((Tone::Filmic.apply([5.6; 3])[0] - 1.0).abs() < 1e-12);
+        assert!((Tone::Aces.apply([1.0; 3])[0] - 2.54 / 3.16).abs() < 1e-12);
+    }
+
+    #[test]
+    fn reinhard_keeps_the_hue() {
+        let [r, g, b] = Tone::Reinhard.apply([0.8, 0.4, 0.2]);
+        assert!((r / g - 2.0).abs() < 1e-12 && (g / b - 2.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn extreme_light_gives_finite_steps_and_the_expected_ends() {
+        for tone in ALL {
+            for encoding in [Encoding::Srgb, Encoding::Raw, Encoding::Gamma] {
+                for exposure in [1.0, 0.0, 1e300, f64::INFINITY, f64::NAN] {
+                    let develop = Develop { exposure, tone, encoding };
+                    for light in [f32::INFINITY, f32::MAX, f32::NAN, -1.0, f32::NEG_INFINITY, 0.0] {
+                        let steps = develop.steps([light; 3]);
+                        assert!(steps.iter().all(|(_, v)| v.iter().all(|c| c.is_finite())));
+                    }
+                }
+                let develop = Develop { exposure: 1.0, tone, encoding };
+                assert_eq!(develop.to_u8([f32::INFINITY; 3]), [255; 3], "{tone:?} {encoding:?}");
+                assert_eq!(develop.to_u8([f32::NAN, -5.0, f32::NEG_INFINITY]), [0; 3]);
+            }
+        }
+    }
+
+    #[test]
+    fn steps_end_in_the_written_value() {
+        let develop = Develop { exposure: 1.7, tone: Tone::Filmic, encoding: Encoding::Srgb };
+        for i in 0..100 {
+            let light = [i as f32 * 0.03, 0.2, 1.0 - i as f32 * 0.01];
+            let steps = develop.steps(light);
+            assert_eq!(
+                steps.iter().map(|s| s.0).collect::<Vec<_>>(),
+                ["exposure", "tone", "encoding"]
+            );
+            assert_eq!(steps[2].1.map(|v| (255.0 * v + 0.5).floor() as u8), develop.to_u8(light));
+            assert_eq!(steps[0].1[1], 1.7 * f64::from(0.2_f32));
+        }
+    }
+
+    #[test]
+    fn names_round_trip_and_unknown_ones_are_explained() {
+        for name in Tone::NAMES {
+            assert_eq!(Tone::parse(name).unwrap().name(), name);
+        }
+        assert_eq!(
+            Tone::parse("film").unwrap_err().to_string(),
+            "unknown tone curve \"film\" (did you mean \"filmic\"? valid: none, reinhard, filmic, aces)"
+        );
+    }
+}
