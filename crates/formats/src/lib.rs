@@ -1,2 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Placeholder.
+//! Readers and writers of scenes.
+
+#![forbid(unsafe_code)]
+
+pub mod report;

@@ -307,13 +307,23 @@ pub fn matrix_numbers(value: &Value) -> Option<Vec<f64>> {
     matches!(numbers.len(), 9 | 12 | 16).then_some(numbers)
 }
 
-/// Finds one argument in the text of a call, `sphere(center = (0, 0, 0), radius = 1)` or the JSON
-/// `{"kind": "sphere", "radius": 1}`: the bytes of its value. Positional arguments count in the
-/// schema's order. A lexical scan that knows strings, comments and brackets, nothing more.
-pub(crate) fn find_argument(text: &str, name: &str, schema: &Schema) -> Option<(usize, usize)> {
-    let open = text.find(['(', '{'])?;
-    let (position, _) = schema.param(name)?;
-    let mut parts = Vec::new(); // (start, end) of the top-level arguments
+/// Bytes `[start, end)` of a text.
+type Run = (usize, usize);
+
+/// One argument in the text of a call.
+pub(crate) struct Part {
+    /// Its name, where it is written.
+    pub key: Option<Run>,
+    /// Its value.
+    pub value: Run,
+}
+
+/// Finds the arguments in the text of a call, `sphere(center = (0, 0, 0), radius = 1)`, or of the
+/// JSON `{"kind": "sphere", "radius": 1}`. A lexical scan that knows strings, comments and brackets,
+/// nothing more; empty where the text is no call.
+pub(crate) fn find_parts(text: &str) -> Vec<Part> {
+    let Some(open) = text.find(['(', '{']) else { return Vec::new() };
+    let mut pieces: Vec<Run> = Vec::new();
     let (mut depth, mut start) = (0usize, open + 1);
     let bytes = text.as_bytes();
     let mut i = open;
@@ -321,14 +331,14 @@ pub(crate) fn find_argument(text: &str, name: &str, schema: &Schema) -> Option<(
         match bytes[i] {
             b'(' | b'[' | b'{' => depth += 1,
             b')' | b']' | b'}' => {
-                depth = depth.checked_sub(1)?;
+                depth = depth.saturating_sub(1);
                 if depth == 0 {
-                    parts.push((start, i));
+                    pieces.push((start, i));
                     break;
                 }
             }
             b',' if depth == 1 => {
-                parts.push((start, i));
+                pieces.push((start, i));
                 start = i + 1;
             }
             quote @ (b'"' | b'\'') => {
@@ -346,46 +356,63 @@ pub(crate) fn find_argument(text: &str, name: &str, schema: &Schema) -> Option<(
         }
         i += 1;
     }
-    let trim = |(mut s, mut e): (usize, usize)| {
-        while s < e && (bytes[s].is_ascii_whitespace() || bytes[s] == b'#') {
-            if bytes[s] == b'#' {
-                while s < e && bytes[s] != b'\n' {
-                    s += 1;
-                }
-            } else {
-                s += 1;
-            }
-        }
-        while s < e && bytes[e - 1].is_ascii_whitespace() {
-            e -= 1;
-        }
-        (s, e)
-    };
-    let mut positional = 0;
-    for part in parts.into_iter().map(trim) {
-        let piece = text.get(part.0..part.1)?;
-        match split_key(piece) {
-            Some((key, offset)) if key == name => return Some(trim((part.0 + offset, part.1))),
-            Some(_) => {}
-            None if positional == position && !piece.is_empty() => return Some(part),
-            None => positional += 1,
-        }
+    if depth != 0 {
+        return Vec::new();
     }
-    None
+    let mut parts = Vec::new();
+    for (start, end) in pieces.into_iter().map(|piece| trim(bytes, piece)) {
+        let Some(piece) = text.get(start..end).filter(|piece| !piece.is_empty()) else { continue };
+        parts.push(match split_key(piece) {
+            Some((key, value)) => Part {
+                key: Some((start + key.0, start + key.1)),
+                value: trim(bytes, (start + value, end)),
+            },
+            None => Part { key: None, value: (start, end) },
+        });
+    }
+    parts
 }
 
-/// `radius = 1` or `"radius": 1`: the key and where the value begins.
-fn split_key(piece: &str) -> Option<(&str, usize)> {
-    let (quoted, rest) = match piece.strip_prefix('"') {
-        Some(rest) => (true, rest),
-        None => (false, piece),
+/// Leaves out white space and comments at both ends.
+fn trim(bytes: &[u8], (mut start, mut end): Run) -> Run {
+    while start < end && (bytes[start].is_ascii_whitespace() || bytes[start] == b'#') {
+        if bytes[start] == b'#' {
+            while start < end && bytes[start] != b'\n' {
+                start += 1;
+            }
+        } else {
+            start += 1;
+        }
+    }
+    while start < end && bytes[end - 1].is_ascii_whitespace() {
+        end -= 1;
+    }
+    (start, end)
+}
+
+/// The value of one argument in the text of a call; positional arguments count in the schema's order.
+pub(crate) fn find_argument(text: &str, name: &str, schema: &Schema) -> Option<Run> {
+    let (position, _) = schema.param(name)?;
+    let parts = find_parts(text);
+    let named = parts.iter().find(|p| p.key.is_some_and(|(s, e)| &text[s..e] == name));
+    let value = match named {
+        Some(part) => part.value,
+        None => parts.iter().filter(|p| p.key.is_none()).nth(position)?.value,
     };
-    let end = rest.find(|c: char| !(c.is_alphanumeric() || c == '_'))?;
-    let (key, after) = rest.split_at(end);
+    Some(value)
+}
+
+/// `radius = 1` or `"radius": 1`: where the key is and where the value begins.
+fn split_key(piece: &str) -> Option<(Run, usize)> {
+    let quoted = piece.starts_with('"');
+    let start = usize::from(quoted);
+    let rest = &piece[start..];
+    let length = rest.find(|c: char| !(c.is_alphanumeric() || c == '_'))?;
+    let after = &rest[length..];
     let after = if quoted { after.strip_prefix('"')? } else { after };
-    let value = after.trim_start();
-    let value = value.strip_prefix(if quoted { ':' } else { '=' })?;
-    (!key.is_empty() && !value.starts_with('=')).then_some((key, piece.len() - value.len()))
+    let value = after.trim_start().strip_prefix(if quoted { ':' } else { '=' })?;
+    (length > 0 && !value.starts_with('='))
+        .then_some(((start, start + length), piece.len() - value.len()))
 }
 
 /// Convenience for tests and programs: a node without a place.
@@ -433,6 +460,11 @@ mod tests {
         assert_eq!(found(r#"{"kind": "ball", "radius": [1]}"#, "radius"), Some("[1]"));
         assert_eq!(found("ball(", "radius"), None);
         assert_eq!(found("ball(center = f(radius = 1))", "radius"), None);
+        assert_eq!(found("ball(1 == 1, x = 2)", "center"), Some("1 == 1"));
+        let text = "ball(1, raduis = 2)";
+        let keys: Vec<_> =
+            find_parts(text).iter().map(|p| p.key.map(|(s, e)| &text[s..e])).collect();
+        assert_eq!(keys, [None, Some("raduis")]);
     }
 
     #[test]

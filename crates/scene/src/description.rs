@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use crate::args;
 use crate::schema::Schema;
 use crate::source::{Sources, Span};
 use crate::value::Value;
@@ -101,14 +102,38 @@ impl Description {
         }
     }
 
-    /// The place of one argument inside the call that made a node, found by reading the call's text
-    /// again (storing a span for each argument would double the memory of large scenes); the whole
-    /// call where it is not found.
+    /// The place of one argument's value inside the call that made a node, found by reading the
+    /// call's text again (storing a span for each argument would double the memory of large scenes);
+    /// the whole call where it is not found.
     #[must_use]
     pub fn argument_span(&self, id: NodeId, name: &str) -> Span {
+        let schema = self.node(id).schema;
+        self.span_in_call(id, |text| args::find_argument(text, name, schema))
+    }
+
+    /// The place of an argument's name in the call that made a node, valid name or not; the whole
+    /// call where it is not found.
+    #[must_use]
+    pub fn key_span(&self, id: NodeId, key: &str) -> Span {
+        self.span_in_call(id, |text| {
+            let mut keys = args::find_parts(text).into_iter().filter_map(|part| part.key);
+            keys.find(|&(start, end)| text.get(start..end) == Some(key))
+        })
+    }
+
+    /// The place of the positional argument `index` of the call that made a node; the whole call
+    /// where it is not found.
+    #[must_use]
+    pub fn positional_span(&self, id: NodeId, index: usize) -> Span {
+        self.span_in_call(id, |text| {
+            let parts = args::find_parts(text);
+            parts.into_iter().filter(|part| part.key.is_none()).nth(index).map(|part| part.value)
+        })
+    }
+
+    fn span_in_call(&self, id: NodeId, find: impl Fn(&str) -> Option<(usize, usize)>) -> Span {
         let span = self.node(id).span;
-        let Some(text) = self.sources.text(span) else { return span };
-        match crate::args::find_argument(text, name, self.node(id).schema) {
+        match self.sources.text(span).and_then(find) {
             Some((start, end)) => Span {
                 file: span.file,
                 start: span.start + start as u32,
