@@ -12,13 +12,16 @@
 #![forbid(unsafe_code)]
 
 pub mod bounds;
+pub mod bvh;
 pub mod ray;
 pub mod shape;
 pub mod shapes;
 pub mod transform;
+pub mod world;
 
 pub use bounds::Bounds;
 pub use ray::{Departure, HitId, Leaving, LocalRay, Ray};
 pub use shape::{Crossing, LocalSurface, Root, Shape};
 pub use shapes::AnyShape;
 pub use transform::Transform;
+pub use world::{GroupId, Hit, PlacementError, Surface, World, WorldBuilder};

@@ -49,6 +49,12 @@ impl Transform {
         &self.to_local
     }
 
+    /// The largest factor by which it can stretch a vector, from above, and the same of its inverse.
+    #[must_use]
+    pub const fn norms(&self) -> (f64, f64) {
+        (self.stretch, self.shrink)
+    }
+
     /// Whether it turns left hands into right ones.
     #[must_use]
     pub fn is_mirror(&self) -> bool {

@@ -1,0 +1,321 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The queries. All of them are one walk, [`World::visit`], with different things done at the objects.
+
+use super::{Hit, Instance, Level, Object, Surface, World};
+use crate::bvh::{Counter, NoCount};
+use crate::ray::{Departure, HitId, Leaving, LocalRay, Ray};
+use crate::shape::Crossing;
+use crate::transform::Transform;
+
+/// A shape's surface that is crossed more often than this by one ray is cut off there.
+const MAX_CROSSINGS: usize = 10_000;
+
+impl World {
+    /// The nearest hit with `0 <= t <= t_max`; of several at the same `t` the one with the lowest id.
+    ///
+    /// `departure` is the point that the ray leaves, if it leaves one: on that object the point itself
+    /// is no hit, while another object's surface within the ray's error bound is hit at `t = 0`. A ray
+    /// that is not finite hits nothing.
+    #[must_use]
+    pub fn closest(&self, ray: &Ray, t_max: f64, departure: Option<&Departure>) -> Option<Hit> {
+        self.closest_counted(ray, t_max, departure, &mut NoCount)
+    }
+
+    /// [`Self::closest`], counting its tests.
+    pub fn closest_counted<C: Counter>(
+        &self,
+        ray: &Ray,
+        t_max: f64,
+        departure: Option<&Departure>,
+        counter: &mut C,
+    ) -> Option<Hit> {
+        let mut best: Option<Hit> = None;
+        self.visit(ray, t_max, departure, counter, |instance, object, local| {
+            if let Some(root) = object.shape.intersect(local) {
+                let hit =
+                    Hit { t: root.t, id: HitId { instance, object: object.id, part: root.part } };
+                let nearer = |b: Hit| hit.t < b.t || (hit.t == b.t && hit.id < b.id);
+                if hit.t <= t_max && best.is_none_or(nearer) {
+                    best = Some(hit);
+                    return Some(hit.t);
+                }
+            }
+            Some(local.t_max)
+        });
+        best
+    }
+
+    /// Whether anything is hit with `0 <= t < t_max`, strictly: a light's own point does not hide it.
+    #[must_use]
+    pub fn occluded(&self, ray: &Ray, t_max: f64, departure: Option<&Departure>) -> bool {
+        self.occluded_counted(ray, t_max, departure, &mut NoCount)
+    }
+
+    /// [`Self::occluded`], counting its tests.
+    pub fn occluded_counted<C: Counter>(
+        &self,
+        ray: &Ray,
+        t_max: f64,
+        departure: Option<&Departure>,
+        counter: &mut C,
+    ) -> bool {
+        let mut found = false;
+        self.visit(ray, t_max, departure, counter, |_, object, local| {
+            found = object.shape.intersect(local).is_some_and(|root| root.t < t_max);
+            (!found).then_some(local.t_max)
+        });
+        found
+    }
+
+    /// Fills `out` with every passage through a surface with `0 <= t <= t_max`, sorted by `t`, then id;
+    /// a ray that goes through a solid gives one hit where it enters and one where it leaves.
+    pub fn hits(&self, ray: &Ray, t_max: f64, departure: Option<&Departure>, out: &mut Vec<Hit>) {
+        out.clear();
+        let mut crossings = Vec::new();
+        self.visit(ray, t_max, departure, &mut NoCount, |instance, object, local| {
+            crossings.clear();
+            if object.shape.is_solid() {
+                solid_hits(object, local, &mut crossings);
+            } else {
+                surface_hits(object, local, &mut crossings);
+            }
+            out.extend(
+                crossings.iter().map(|c| Hit {
+                    t: c.t,
+                    id: HitId { instance, object: object.id, part: c.part },
+                }),
+            );
+            Some(local.t_max)
+        });
+        out.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.id.cmp(&b.id)));
+    }
+
+    /// The nearest hit of one object alone: the exit of glass belongs to the object that was entered.
+    /// `instance` is [`HitId::NO_INSTANCE`] for an object outside of groups.
+    #[must_use]
+    pub fn closest_of(
+        &self,
+        ray: &Ray,
+        t_max: f64,
+        departure: Option<&Departure>,
+        instance: u32,
+        object: u32,
+    ) -> Option<Hit> {
+        let at_top = scene_ray(ray, t_max)?;
+        let found = self.object(object)?;
+        let of_instance = match instance {
+            HitId::NO_INSTANCE => None,
+            id => self.transform(self.instance(id)?.transform),
+        };
+        let mut local = into(of_instance, &at_top);
+        local = into(self.transform(found.transform), &local);
+        local.leaving = departure
+            .filter(|d| d.from.instance == instance && d.from.object == object)
+            .map(leaving);
+        let root = found.shape.intersect(&local).filter(|root| root.t <= t_max)?;
+        Some(Hit { t: root.t, id: HitId { instance, object, part: root.part } })
+    }
+
+    /// The surface at a hit of `ray`. `None` where the hit is not of this world.
+    #[must_use]
+    pub fn surface(&self, ray: &Ray, hit: &Hit) -> Option<Surface> {
+        let object = self.object(hit.id.object)?;
+        let of_instance = match hit.id.instance {
+            HitId::NO_INSTANCE => None,
+            id => self.transform(self.instance(id)?.transform),
+        };
+        let of_object = self.transform(object.transform);
+        let mut local = LocalRay {
+            origin: ray.origin,
+            direction: ray.direction,
+            error: ray.error,
+            t_max: hit.t,
+            leaving: None,
+        };
+        local = into(of_object, &into(of_instance, &local));
+        let own = object.shape.surface(local.at(hit.t), hit.id.part);
+        let placed = of_object.map_or(own, |t| t.surface_to_world(&own));
+        let s = of_instance.map_or(placed, |t| t.surface_to_world(&placed));
+        Some(Surface {
+            point: s.point,
+            error: s.error,
+            normal: s.normal,
+            shading_normal: s.shading_normal,
+            uv: s.uv,
+            dpdu: s.dpdu,
+            dpdv: s.dpdv,
+            local_point: own.point,
+            local_normal: own.normal,
+        })
+    }
+
+    /// Calls `test` with every object that the ray may hit at `t <= t_max`: its instance, itself and
+    /// the ray in its space. `test` returns the new `t_max`, or `None` to end the walk.
+    fn visit<C: Counter>(
+        &self,
+        ray: &Ray,
+        t_max: f64,
+        departure: Option<&Departure>,
+        counter: &mut C,
+        mut test: impl FnMut(u32, &Object, &LocalRay) -> Option<f64>,
+    ) -> Option<f64> {
+        let at_top = scene_ray(ray, t_max)?;
+        let mut t_max = t_max;
+        if let Some(top) = self.levels.first() {
+            let departure = departure.filter(|d| d.from.instance == HitId::NO_INSTANCE);
+            t_max =
+                self.visit_objects(top, &at_top, t_max, departure, counter, |object, local| {
+                    test(HitId::NO_INSTANCE, object, local)
+                })?;
+        }
+        if self.instances.is_empty() {
+            return Some(t_max);
+        }
+        let mut visit_instance = |instance: &Instance, t_max: f64, counter: &mut C| {
+            let Some(level) = self.levels.get(instance.group as usize) else { return Some(t_max) };
+            let inside = into(self.transform(instance.transform), &at_top);
+            let departure = departure.filter(|d| d.from.instance == instance.id);
+            self.visit_objects(level, &inside, t_max, departure, counter, |object, local| {
+                test(instance.id, object, local)
+            })
+        };
+        let level = &self.instance_level;
+        let (bounded, rest) = self.instances.split_at_checked(level.bounded)?;
+        for instance in rest.iter().take(level.unbounded) {
+            t_max = visit_instance(instance, t_max, counter)?;
+        }
+        let box_ray = level.box_ray(at_top.origin, at_top.direction, at_top.error);
+        level.bvh.visit(&box_ray, t_max, counter, |range, mut t_max, counter| {
+            for instance in bounded.get(range).unwrap_or_default() {
+                t_max = visit_instance(instance, t_max, counter)?;
+            }
+            Some(t_max)
+        })
+    }
+
+    /// The same for one group: `ray` is in its space, `departure` from one of its objects.
+    #[inline]
+    fn visit_objects<C: Counter>(
+        &self,
+        level: &Level,
+        ray: &LocalRay,
+        t_max: f64,
+        departure: Option<&Departure>,
+        counter: &mut C,
+        mut test: impl FnMut(&Object, &LocalRay) -> Option<f64>,
+    ) -> Option<f64> {
+        let mut own = *ray;
+        let mut visit_object = |object: &Object, t_max: f64, counter: &mut C| {
+            counter.shapes(1);
+            let left = departure.filter(|d| d.from.object == object.id).map(leaving);
+            match self.transform(object.transform) {
+                None => {
+                    own.t_max = t_max;
+                    own.leaving = left;
+                    test(object, &own)
+                }
+                Some(transform) => {
+                    let mut local = into(Some(transform), ray);
+                    local.t_max = t_max;
+                    local.leaving = left;
+                    test(object, &local)
+                }
+            }
+        };
+        let objects = self.objects.get(level.first..)?;
+        let (bounded, rest) = objects.split_at_checked(level.bounded)?;
+        let mut t_max = t_max;
+        for object in rest.iter().take(level.unbounded) {
+            t_max = visit_object(object, t_max, counter)?;
+        }
+        let box_ray = level.box_ray(ray.origin, ray.direction, ray.error);
+        level.bvh.visit(&box_ray, t_max, counter, |range, mut t_max, counter| {
+            for object in bounded.get(range).unwrap_or_default() {
+                t_max = visit_object(object, t_max, counter)?;
+            }
+            Some(t_max)
+        })
+    }
+}
+
+/// The ray as a local one; `None` unless it is finite and goes somewhere.
+fn scene_ray(ray: &Ray, t_max: f64) -> Option<LocalRay> {
+    let usable = ray.origin.is_finite()
+        && ray.direction.is_finite()
+        && ray.direction.abs().max_element() > 0.0
+        && ray.error >= 0.0
+        && t_max >= 0.0;
+    usable.then_some(LocalRay {
+        origin: ray.origin,
+        direction: ray.direction,
+        error: ray.error,
+        t_max,
+        leaving: None,
+    })
+}
+
+/// A ray in the space of something that is placed in the ray's present space.
+fn into(transform: Option<&Transform>, ray: &LocalRay) -> LocalRay {
+    let Some(transform) = transform else { return *ray };
+    let (origin, error) = transform.point_to_local(ray.origin, ray.error);
+    LocalRay { origin, direction: transform.direction_to_local(ray.direction), error, ..*ray }
+}
+
+fn leaving(departure: &Departure) -> Leaving {
+    Leaving { part: departure.from.part, outward: departure.outward }
+}
+
+/// The crossings of a solid that lie ahead, as [`LocalRay::accept`] judges them.
+fn solid_hits(object: &Object, ray: &LocalRay, out: &mut Vec<Crossing>) {
+    object.shape.crossings(ray, out);
+    if let Some(leaving) = ray.leaving {
+        // The crossing that is left: the nearest one of its part and sense.
+        let left = out
+            .iter()
+            .enumerate()
+            .filter(|(_, c)| c.part == leaving.part && c.enters != leaving.outward)
+            .min_by(|(_, a), (_, b)| a.t.abs().total_cmp(&b.t.abs()))
+            .map(|(i, _)| i);
+        if let Some(i) = left {
+            out.remove(i);
+        }
+    }
+    out.retain_mut(|c| {
+        if c.t > 0.0 {
+            return c.t <= ray.t_max;
+        }
+        if ray.leaving.is_some() {
+            return false;
+        }
+        let surface = object.shape.surface(ray.at(c.t), c.part);
+        let speed = ray.direction.dot(surface.normal).abs();
+        match ray.accept(c.t, speed, surface.error) {
+            Some(t) => {
+                c.t = t;
+                true
+            }
+            None => false,
+        }
+    });
+}
+
+/// The hits of a surface that is not closed: each next one as of a ray that leaves the last.
+fn surface_hits(object: &Object, ray: &LocalRay, out: &mut Vec<Crossing>) {
+    let mut next = *ray;
+    let mut travelled = 0.0;
+    while out.len() < MAX_CROSSINGS {
+        let Some(root) = object.shape.intersect(&next) else { return };
+        let t = travelled + root.t;
+        if !(t <= ray.t_max) {
+            return;
+        }
+        let surface = object.shape.surface(next.at(root.t), root.part);
+        let outward = ray.direction.dot(surface.normal) > 0.0;
+        out.push(Crossing { t, part: root.part, enters: !outward });
+        travelled = t;
+        next.origin = surface.point;
+        next.error = surface.error;
+        next.t_max = ray.t_max - t;
+        next.leaving = Some(Leaving { part: root.part, outward });
+    }
+}
