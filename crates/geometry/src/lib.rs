@@ -13,6 +13,8 @@
 
 pub mod bounds;
 pub mod bvh;
+pub mod group;
+pub mod placement;
 pub mod ray;
 pub mod shape;
 pub mod shapes;
@@ -20,6 +22,8 @@ pub mod transform;
 pub mod world;
 
 pub use bounds::Bounds;
+pub use group::GROUP_SCHEMA;
+pub use placement::{TRANSFORM_SCHEMAS, placement};
 pub use ray::{Departure, HitId, Leaving, LocalRay, Ray};
 pub use shape::{Crossing, LocalSurface, Root, Shape};
 pub use shapes::AnyShape;

@@ -19,7 +19,8 @@ pub struct Transform {
 }
 
 impl Transform {
-    /// The transform of a matrix; `None` where it has no inverse or is not finite.
+    /// The transform of a matrix; `None` where it is not finite or has no inverse that is worth the
+    /// name: where the stretches of different directions are 10^15 apart, nothing but rounding is left.
     #[must_use]
     pub fn new(to_world: DAffine3) -> Option<Self> {
         let to_local = to_world.inverse();
@@ -27,14 +28,12 @@ impl Transform {
             (m.x_axis.length_squared() + m.y_axis.length_squared() + m.z_axis.length_squared())
                 .sqrt()
         };
-        let usable =
-            to_world.is_finite() && to_local.is_finite() && to_world.matrix3.determinant() != 0.0;
-        usable.then(|| Self {
-            to_world,
-            to_local,
-            stretch: norm(&to_world.matrix3),
-            shrink: norm(&to_local.matrix3),
-        })
+        let (stretch, shrink) = (norm(&to_world.matrix3), norm(&to_local.matrix3));
+        let usable = to_world.is_finite()
+            && to_local.is_finite()
+            && to_world.matrix3.determinant() != 0.0
+            && stretch * shrink < 1e15;
+        usable.then_some(Self { to_world, to_local, stretch, shrink })
     }
 
     /// The matrix to the scene's space.
