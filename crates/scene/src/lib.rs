@@ -18,6 +18,7 @@ pub mod loader;
 pub mod schema;
 pub mod source;
 pub mod suggest;
+pub mod validate;
 pub mod value;
 pub mod vocabulary;
 
