@@ -4,6 +4,7 @@
 //! light x exposure -> tone curve -> encoding -> 8 or 16 bits. Every step works in `f64` with the
 //! deterministic functions of `dioptric-math`, so a pixel has the same bits on every processor.
 
+use crate::buffer::Image;
 use crate::error::ImageError;
 use crate::names;
 use crate::transfer::{Encoding, quantize_8, quantize_16};
@@ -133,6 +134,22 @@ impl Develop {
         self.apply(linear).map(quantize_16)
     }
 
+    /// The whole picture as a display shows it, to be drawn upon: stored values (tagged sRGB, as a PNG file's are when it
+    /// is read) with straight alpha. A picture that is not linear comes back unchanged.
+    #[must_use]
+    pub fn picture(&self, image: &Image) -> Image {
+        let mut shown = image.clone();
+        if image.encoding == Encoding::Raw {
+            for (pixel, ([r, g, b], alpha)) in
+                shown.pixels_mut().iter_mut().zip(developed(image, *self))
+            {
+                *pixel = [r, g, b, alpha].map(|v| v as f32);
+            }
+            shown.encoding = Encoding::Srgb;
+        }
+        shown
+    }
+
     fn stages(&self, linear: [f32; 3]) -> [[f64; 3]; 3] {
         let exposed = linear.map(|c| {
             // Through f32's range, so that squares in the curves stay finite in f64.
@@ -142,6 +159,26 @@ impl Develop {
         let toned = self.tone.apply(exposed);
         [exposed, toned, toned.map(|c| self.encoding.encode(c))]
     }
+}
+
+/// The picture as a display shows it: straight alpha, every value 0 to 1 before quantising.
+///
+/// Light is divided by its alpha before it is developed; a pixel of alpha 0 is black.
+pub(crate) fn developed(image: &Image, develop: Develop) -> impl Iterator<Item = ([f64; 3], f64)> {
+    let (linear, has_alpha) = (image.encoding == Encoding::Raw, image.has_alpha);
+    image.pixels().iter().map(move |&[r, g, b, a]| {
+        let alpha = if has_alpha { f64::from(a) } else { 1.0 };
+        let color = if !linear {
+            [r, g, b].map(f64::from)
+        } else if !has_alpha {
+            develop.apply([r, g, b])
+        } else if a > 0.0 {
+            develop.apply([r / a, g / a, b / a])
+        } else {
+            [0.0; 3]
+        };
+        (color, alpha)
+    })
 }
 
 #[cfg(test)]
@@ -218,6 +255,22 @@ mod tests {
             assert_eq!(steps[2].1.map(|v| (255.0 * v + 0.5).floor() as u8), develop.to_u8(light));
             assert_eq!(steps[0].1[1], 1.7 * f64::from(0.2_f32));
         }
+    }
+
+    #[test]
+    fn a_developed_picture_has_the_values_of_its_pixels() {
+        let develop = Develop { exposure: 2.0, tone: Tone::Reinhard, encoding: Encoding::Raw };
+        let light = Image::from_fn(5, 4, Encoding::Raw, |x, y| [x as f32, y as f32, 0.3]).unwrap();
+        let shown = develop.picture(&light);
+        assert_eq!(shown.encoding, Encoding::Srgb);
+        for (shown, &[r, g, b, _]) in shown.pixels().iter().zip(light.pixels()) {
+            assert_eq!(shown[..3], develop.apply([r, g, b]).map(|v| v as f32));
+        }
+        assert_eq!(develop.picture(&shown), shown);
+        let clear = Image::new(1, 1, [0.1, 0.2, 0.0, 0.5], Encoding::Raw).unwrap().with_alpha();
+        let half =
+            Develop { exposure: 1.0, tone: Tone::None, encoding: Encoding::Raw }.picture(&clear);
+        assert_eq!(half.get(0, 0), Some([0.2, 0.4, 0.0, 0.5]));
     }
 
     #[test]

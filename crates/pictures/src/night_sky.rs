@@ -81,7 +81,7 @@ impl Band {
             * (2.6 * smoothstep(-0.12, 0.62, cloud) + 1.5 * smoothstep(0.42, 0.85, threads))
             + 1.5 * rift * smoothstep(-0.35, 0.35, cloud + 0.25 * wx);
         // Dust dims blue most: what shines through is brown.
-        let dust = DVec3::new(exp(-0.70 * depth), exp(-1.0 * depth), exp(-1.36 * depth));
+        let dust = DVec3::new(exp(-0.70 * depth), exp(-depth), exp(-1.36 * depth));
         Self { along, across, dust }
     }
 

@@ -14,6 +14,7 @@ pub(super) fn decode(bytes: &[u8], max_pixels: u64) -> Result<Image, ImageError>
     // Palettes and small depths become 8 bits, transparent colours become alpha, 16 bits stay.
     decoder.set_transformations(Transformations::EXPAND);
     decoder.set_ignore_text_chunk(true);
+    decoder.set_ignore_iccp_chunk(true);
     let mut reader = decoder.read_info().map_err(broken)?;
     let (width, height) =
         check_size(reader.info().width.into(), reader.info().height.into(), max_pixels)?;

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! JPEG by crate `image`, with the text as a comment segment of lines `key: value`.
 
-use super::{EncodeOptions, developed, plain_key};
+use super::{EncodeOptions, plain_key};
 use crate::buffer::Layers;
+use crate::develop::developed;
 use crate::error::ImageError;
 use crate::transfer::quantize_8;
 use image::ExtendedColorType;

@@ -9,11 +9,10 @@ mod hdr;
 mod jpeg;
 mod png;
 
-use crate::buffer::{Image, Layers};
+use crate::buffer::Layers;
 use crate::develop::Develop;
 use crate::error::ImageError;
 use crate::names;
-use crate::transfer::Encoding;
 use std::path::Path;
 
 /// A kind of file that [`encode`] writes.
@@ -102,26 +101,6 @@ pub fn encode(
         FileFormat::Exr => exr::encode(layers),
         FileFormat::Hdr => Ok(hdr::encode(&layers.picture)),
     }
-}
-
-/// The picture as a display shows it: straight alpha, every value 0 to 1 before quantising.
-///
-/// Light is divided by its alpha before it is developed; a pixel of alpha 0 is black.
-pub(crate) fn developed(image: &Image, develop: Develop) -> impl Iterator<Item = ([f64; 3], f64)> {
-    let (linear, has_alpha) = (image.encoding == Encoding::Raw, image.has_alpha);
-    image.pixels().iter().map(move |&[r, g, b, a]| {
-        let alpha = if has_alpha { f64::from(a) } else { 1.0 };
-        let color = if !linear {
-            [r, g, b].map(f64::from)
-        } else if !has_alpha {
-            develop.apply([r, g, b])
-        } else if a > 0.0 {
-            develop.apply([r / a, g / a, b / a])
-        } else {
-            [0.0; 3]
-        };
-        (color, alpha)
-    })
 }
 
 /// A key as all formats can hold it: printable ASCII, 1 to 79 characters, no space at its ends.

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! PNG of 8 or 16 bits with the text as `iTXt` chunks in the order of the metadata.
 
-use super::{Depth, EncodeOptions, developed, plain_key};
+use super::{Depth, EncodeOptions, plain_key};
 use crate::buffer::Layers;
+use crate::develop::developed;
 use crate::error::ImageError;
 use crate::transfer::{Encoding, quantize_8, quantize_16};
 use png::text_metadata::ITXtChunk;

@@ -2,9 +2,10 @@
 //! What is written is read back, by our reader and by other crates; the bytes are pinned.
 
 use super::*;
-use crate::buffer::LayerData;
+use crate::buffer::{Image, LayerData};
 use crate::decode::{decode, decode_exr};
 use crate::develop::Tone;
+use crate::transfer::Encoding;
 
 const MAX: u64 = 1 << 20;
 
