@@ -9,6 +9,15 @@ use crate::bounds::Bounds;
 use crate::ray::LocalRay;
 use crate::shape::{Crossing, LocalSurface, Root, Shape};
 
+pub mod cone;
+mod convex;
+pub mod cuboid;
+pub mod cylinder;
+pub mod disc;
+mod frame;
+mod frustum;
+pub mod plane;
+pub mod rectangle;
 pub mod sphere;
 
 macro_rules! registry {
@@ -16,7 +25,7 @@ macro_rules! registry {
         /// Any shape, dispatched without a virtual call. Large ones are boxed, so that a sphere stays small.
         #[derive(Clone, Debug)]
         pub enum AnyShape {
-            $(#[doc = concat!("See [`", stringify!($ty), "`].")] $variant($ty),)*
+            $(#[doc = concat!("A `", stringify!($ty), "`.")] $variant($ty),)*
         }
 
         /// The schemas of all shapes.
@@ -82,6 +91,12 @@ macro_rules! registry {
 
 registry! {
     Sphere(sphere::Sphere),
+    Plane(Box<plane::Plane>),
+    Cuboid(Box<cuboid::Cuboid>),
+    Rectangle(Box<rectangle::Rectangle>),
+    Disc(Box<disc::Disc>),
+    Cylinder(Box<cylinder::Cylinder>),
+    Cone(Box<cone::Cone>),
 }
 
 impl<S: Shape> Shape for Box<S> {

@@ -4,9 +4,11 @@
 use std::f64::consts::PI;
 
 use dioptric_math::bounds::gamma;
-use dioptric_math::{DVec2, DVec3, asin, atan2, normalize};
+use dioptric_math::{DVec2, DVec3, asin, normalize};
 use dioptric_scene::{Args, Category, Default, Diagnostic, Param, Schema, Type};
 
+use super::convex::{Chord, root};
+use super::frame::longitude;
 use crate::bounds::Bounds;
 use crate::ray::LocalRay;
 use crate::shape::{Crossing, LocalSurface, Root, Shape};
@@ -46,8 +48,8 @@ impl Sphere {
         Self { center, radius }
     }
 
-    /// The two roots on the whole line, sorted, and half the discriminant's root over `a`: `None` for a miss.
-    fn roots(&self, ray: &LocalRay) -> Option<(f64, f64, f64)> {
+    /// The two roots on the whole line.
+    fn chord(&self, ray: &LocalRay) -> Option<Chord> {
         let f = ray.origin - self.center;
         let d = ray.direction;
         let a = d.length_squared();
@@ -63,7 +65,11 @@ impl Sphere {
         let c = f.length_squared() - self.radius * self.radius;
         let q = b + root.copysign(b);
         let (t0, t1) = if q == 0.0 { (0.0, 0.0) } else { (c / q, q / a) };
-        Some((t0.min(t1), t0.max(t1), root))
+        Some(Chord { near: (t0.min(t1), 0), far: (t0.max(t1), 0) })
+    }
+
+    fn error(&self) -> f64 {
+        gamma(16) * (self.center.abs().max_element() + self.radius)
     }
 }
 
@@ -75,7 +81,8 @@ impl Shape for Sphere {
     }
 
     fn bounds(&self) -> Bounds {
-        Bounds { min: self.center - self.radius, max: self.center + self.radius }
+        let reach = self.radius + self.error();
+        Bounds { min: self.center - reach, max: self.center + reach }
     }
 
     fn is_solid(&self) -> bool {
@@ -94,32 +101,26 @@ impl Shape for Sphere {
             // One root is exactly 0; the sum of both is -2 b / a (Vieta).
             let t = -2.0 * (ray.origin - self.center).dot(ray.direction)
                 / ray.direction.length_squared();
-            return (t > 0.0 && t <= ray.t_max).then_some(Root { t, part: 0 });
+            return root(ray, t, 0);
         }
-        let (near, far, root) = self.roots(ray)?;
-        // |direction . n| is the same at both roots: the discriminant's root over the radius.
-        let speed = root / self.radius;
-        let error = gamma(8)
-            * (self.center.abs().max_element() + self.radius + ray.origin.abs().max_element());
-        let t = ray.accept(near, speed, error).or_else(|| ray.accept(far, speed, error))?;
-        Some(Root { t, part: 0 })
+        self.chord(ray)?.first(ray, self.error(), |_| {
+            let height = (ray.origin - self.center).length() - self.radius;
+            (height, height)
+        })
     }
 
     fn crossings(&self, ray: &LocalRay, out: &mut Vec<Crossing>) {
-        if let Some((near, far, _)) = self.roots(ray) {
-            out.push(Crossing { t: near, part: 0, enters: true });
-            out.push(Crossing { t: far, part: 0, enters: false });
+        if let Some(chord) = self.chord(ray) {
+            chord.push_crossings(ray, out);
         }
     }
 
     fn surface(&self, point: DVec3, _part: u32) -> LocalSurface {
         let normal = normalize(point - self.center).unwrap_or(DVec3::Y);
         let point = self.center + normal * self.radius;
-        let error = gamma(8) * (self.center.abs().max_element() + self.radius) * 2.0;
-        let uv = DVec2::new(
-            atan2(normal.x, normal.z) / (2.0 * PI) + 0.5,
-            asin(normal.y.clamp(-1.0, 1.0)) / PI + 0.5,
-        );
+        let error = self.error();
+        let uv =
+            DVec2::new(longitude(normal.x, normal.z), asin(normal.y.clamp(-1.0, 1.0)) / PI + 0.5);
         // Derivatives of (sin a cos b, sin b, cos a cos b) with a = 2 pi (u - 1/2), b = pi (v - 1/2).
         let cos_b = (normal.x * normal.x + normal.z * normal.z).sqrt();
         let (sin_a, cos_a) =

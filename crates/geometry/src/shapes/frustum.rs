@@ -1,0 +1,343 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The solid between two parallel circles on one axis: what cylinders, cones and cut cones share.
+
+use std::f64::consts::PI;
+
+use dioptric_math::bounds::gamma;
+use dioptric_math::{DVec2, DVec3, normalize};
+use dioptric_scene::{Args, Diagnostic};
+
+use super::convex::{Chord, root};
+use super::disc::circle_bounds;
+use super::frame::{around, longitude};
+use crate::bounds::Bounds;
+use crate::ray::LocalRay;
+use crate::shape::{Crossing, LocalSurface, Root};
+
+/// Part of the curved side.
+pub(crate) const SIDE: u32 = 0;
+/// Part of the disc at the base; it faces against the axis.
+pub(crate) const BASE: u32 = 1;
+/// Part of the disc at the top; it faces along the axis.
+pub(crate) const TOP: u32 = 2;
+
+/// Text for the manual: how the surfaces of cylinders and cones are coordinated.
+macro_rules! uv_doc {
+    () => {
+        "`uv` of the side: u is the longitude like a sphere's, from 0 at -z over 0.25 at -x and 0.5 at +z to 1; v runs \
+         from 0 at the base to 1 at the top. `uv` of the caps: the square around the disc, 0 to 1, with 0.5 at the \
+         centre; u runs along +x, v along -z on the top and along +z on the base. Along another axis than +y all \
+         directions are turned by the smallest rotation from +y."
+    };
+}
+pub(crate) use uv_doc;
+
+/// The solid, or with `open` its side alone.
+///
+/// In the half plane through the axis, with distance `rho` from it and height `y` over the base, the
+/// side is the line `cos rho + sin y = cos radius`, and `(cos, sin)` is its unit normal. So
+/// `f = (cos rho)^2 - s(y)^2` with `s(y) = cos radius - sin y` is a quadric whose coefficients stay
+/// in proportion for any slope, cylinder (`sin = 0`) and almost flat cone alike; `s > 0` tells the
+/// solid from its mirror image beyond the apex.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Frustum {
+    base: DVec3,
+    axis: DVec3,
+    height: f64,
+    radius: f64,
+    top_radius: f64,
+    cos: f64,
+    sin: f64,
+    /// Bounds the rounding of all heights and of points on the surface.
+    error: f64,
+    open: bool,
+}
+
+/// A ray in the terms of the frustum.
+struct Line {
+    /// Height of the origin over the base.
+    y: f64,
+    /// The line within the slab between the two circles.
+    slab: Chord,
+    /// The line within the side's quadric.
+    side: Chord,
+}
+
+impl Frustum {
+    /// A frustum from `base` to `base + length`; `None` where that is the same point or numbers are
+    /// not finite. One of the radii may be 0.
+    pub fn new(
+        base: DVec3,
+        length: DVec3,
+        radius: f64,
+        top_radius: f64,
+        open: bool,
+    ) -> Option<Self> {
+        let axis = normalize(length)?;
+        let height = length.dot(axis);
+        let slant = normalize(DVec3::new(height, radius - top_radius, 0.0))?;
+        let error = gamma(16) * (base.abs().max_element() + height + radius.max(top_radius));
+        error.is_finite().then_some(Self {
+            base,
+            axis,
+            height,
+            radius,
+            top_radius,
+            cos: slant.x,
+            sin: slant.y,
+            error,
+            open,
+        })
+    }
+
+    pub fn is_open(&self) -> bool {
+        self.open
+    }
+
+    pub fn bounds(&self) -> Bounds {
+        let top = self.base + self.axis * self.height;
+        circle_bounds(self.base, self.axis, self.radius).union(circle_bounds(
+            top,
+            self.axis,
+            self.top_radius,
+        ))
+    }
+
+    /// `s` at a height: `cos` times the side's radius there.
+    fn s(&self, y: f64) -> f64 {
+        self.cos * self.radius - self.sin * y
+    }
+
+    fn slab(&self, y: f64, dy: f64) -> Chord {
+        let mut slab = Chord::LINE;
+        slab.clip(-y, -dy, BASE);
+        slab.clip(y - self.height, dy, TOP);
+        slab
+    }
+
+    /// `None` where the line misses the slab or the side's quadric.
+    fn line(&self, ray: &LocalRay) -> Option<Line> {
+        let offset = ray.origin - self.base;
+        let (y, dy) = (offset.dot(self.axis), ray.direction.dot(self.axis));
+        let slab = self.slab(y, dy);
+        if !slab.is_some() {
+            return None;
+        }
+        let (p, e) = (offset - self.axis * y, ray.direction - self.axis * dy);
+        // Start anew from the line's point nearest to the axis within the slab: all that follows is of
+        // the size of the solid there, so origins far away and long thin solids lose no digits.
+        let e2 = e.length_squared();
+        let nearest = -p.dot(e) / e2;
+        let start = nearest.max(slab.near.0).min(slab.far.0);
+        let q = p + e * start;
+        let (q2, widest) = (q.length_squared(), self.radius.max(self.top_radius));
+        // Written so that NaN is a miss.
+        if !(q2 <= widest * widest) {
+            return None;
+        }
+        let (s, ds) = (self.s(y + dy * start), -self.sin * dy);
+        let cos2 = self.cos * self.cos;
+        let a = cos2 * e2 - ds * ds;
+        let b = cos2 * q.dot(e) - s * ds;
+        let c = cos2 * q2 - s * s;
+        let (near, far) = inside_quadric(a, b, c, ds)?;
+        let side = Chord { near: (start + near, SIDE), far: (start + far, SIDE) };
+        Some(Line { y, slab, side })
+    }
+
+    fn chord(line: &Line) -> Chord {
+        Chord {
+            near: if line.side.near.0 > line.slab.near.0 { line.side.near } else { line.slab.near },
+            far: if line.side.far.0 < line.slab.far.0 { line.side.far } else { line.slab.far },
+        }
+    }
+
+    /// How far a point lies above the side, and how high over the base.
+    fn side_height(&self, point: DVec3) -> (f64, f64) {
+        let offset = point - self.base;
+        let y = offset.dot(self.axis);
+        let rho = (offset - self.axis * y).length();
+        (self.cos * rho - self.s(y), y)
+    }
+
+    pub fn intersect(&self, ray: &LocalRay) -> Option<Root> {
+        if let Some(leaving) = ray.leaving {
+            return if leaving.outward { None } else { self.far_side(ray, leaving.part) };
+        }
+        let line = self.line(ray)?;
+        if !self.open {
+            let chord = Self::chord(&line);
+            if !chord.is_some() || chord.near.0 > ray.t_max {
+                return None;
+            }
+            return chord.first(ray, self.error, |part| {
+                let (side, y) = self.side_height(ray.origin);
+                let (base, top) = (-y, y - self.height);
+                (if part == SIDE { side } else { base.max(top) }, side.max(base).max(top))
+            });
+        }
+        let within = line.slab.near.0..=line.slab.far.0;
+        for (t, _) in [line.side.near, line.side.far] {
+            if t > 0.0 {
+                if within.contains(&t) {
+                    return root(ray, t, SIDE);
+                }
+            } else {
+                let (side, tolerance) = (self.side_height(ray.origin).0, ray.error + self.error);
+                let (y, high) = (line.y, self.height + tolerance);
+                if within.contains(&t) && side.abs() <= tolerance && y >= -tolerance && y <= high {
+                    return root(ray, 0.0, SIDE);
+                }
+            }
+        }
+        None
+    }
+
+    /// The exit of a ray that goes inwards from a part.
+    fn far_side(&self, ray: &LocalRay, part: u32) -> Option<Root> {
+        let offset = ray.origin - self.base;
+        let (y, dy) = (offset.dot(self.axis), ray.direction.dot(self.axis));
+        let mut exit = self.slab(y, dy).far;
+        if exit.1 == part {
+            exit.0 = f64::INFINITY;
+        }
+        let side = if part == SIDE {
+            // With the constant term at its exact value 0 the other root is -2 b / a. Where a <= 0 that
+            // root is behind, or on the mirror image: the ray stays inside until it meets a cap.
+            let (p, e) = (offset - self.axis * y, ray.direction - self.axis * dy);
+            let rho = p.length();
+            let ds = -self.sin * dy;
+            let a = self.cos * self.cos * e.length_squared() - ds * ds;
+            let outward = if rho > 0.0 { p.dot(e) / rho } else { 0.0 };
+            let b = self.cos * rho * (self.cos * outward - ds);
+            if a > 0.0 { -2.0 * b / a } else { f64::INFINITY }
+        } else {
+            // No line at all means that it starts on the rim and leads away from the solid.
+            self.line(ray).map_or(0.0, |line| line.side.far.0)
+        };
+        if side < exit.0 {
+            exit = (side, SIDE);
+        }
+        (exit.1 == SIDE || !self.open).then(|| root(ray, exit.0, exit.1))?
+    }
+
+    pub fn crossings(&self, ray: &LocalRay, out: &mut Vec<Crossing>) {
+        if !self.open
+            && let Some(line) = self.line(ray)
+        {
+            Self::chord(&line).push_crossings(ray, out);
+        }
+    }
+
+    pub fn surface(&self, point: DVec3, part: u32) -> LocalSurface {
+        let (x, z) = around(self.axis);
+        let offset = point - self.base;
+        let y = offset.dot(self.axis);
+        let p = offset - self.axis * y;
+        match part {
+            BASE => self.cap(p, x, z, -self.axis),
+            TOP => self.cap(p, x, -z, self.axis),
+            _ => self.side(p, y, x, z),
+        }
+    }
+
+    /// `p` is the offset from the axis, `u` and `v` the directions of the coordinates.
+    fn cap(&self, p: DVec3, u: DVec3, v: DVec3, normal: DVec3) -> LocalSurface {
+        let at_top = normal == self.axis;
+        let radius = if at_top { self.top_radius } else { self.radius };
+        let center = if at_top { self.base + self.axis * self.height } else { self.base };
+        let diameter = 2.0 * radius;
+        let uv = if diameter > 0.0 {
+            DVec2::new(0.5 + p.dot(u) / diameter, 0.5 + p.dot(v) / diameter)
+        } else {
+            DVec2::splat(0.5)
+        };
+        LocalSurface {
+            point: center + p,
+            error: self.error,
+            normal,
+            shading_normal: normal,
+            uv: uv.clamp(DVec2::ZERO, DVec2::ONE),
+            dpdu: u * diameter,
+            dpdv: v * diameter,
+        }
+    }
+
+    fn side(&self, p: DVec3, y: f64, x: DVec3, z: DVec3) -> LocalSurface {
+        let outward = normalize(p).unwrap_or(z);
+        // To the nearest point of the side's line, and not beyond its ends.
+        let above = self.cos * p.length() - self.s(y);
+        let y = (y - self.sin * above).clamp(0.0, self.height);
+        let v = y / self.height;
+        let rho = self.radius * (1.0 - v) + self.top_radius * v;
+        let normal = outward * self.cos + self.axis * self.sin;
+        let (sin_a, cos_a) = (outward.dot(x), outward.dot(z));
+        LocalSurface {
+            point: self.base + (self.axis * y + outward * rho),
+            error: self.error,
+            normal,
+            shading_normal: normal,
+            uv: DVec2::new(longitude(sin_a, cos_a), v),
+            dpdu: (x * cos_a - z * sin_a) * (2.0 * PI * rho),
+            dpdv: self.axis * self.height + outward * (self.top_radius - self.radius),
+        }
+    }
+}
+
+/// The base and the way from there to the top, from the arguments `base`, `height` and `top`.
+pub(crate) fn ends(args: &Args) -> Result<(DVec3, DVec3), Diagnostic> {
+    let base = DVec3::from(args.vec3("base")?);
+    let height = args.optional_number("height")?;
+    if !args.is_written("top") {
+        return Ok((base, DVec3::Y * height.unwrap_or(1.0)));
+    }
+    if height.is_some() {
+        let message = format!("the {} has both a height and a top", args.node().schema.kind);
+        return Err(args.error("top", "two-heights", message).help(
+            "keep height for a shape that stands along +y, or top for one that points anywhere",
+        ));
+    }
+    Ok((base, DVec3::from(args.vec3("top")?) - base))
+}
+
+/// The error for ends that coincide.
+pub(crate) fn no_length(args: &Args) -> Diagnostic {
+    let kind = args.node().schema.kind;
+    let name = if args.is_written("top") { "top" } else { "height" };
+    args.error(
+        name,
+        "no-size",
+        format!("the {kind} has no length: base and top are the same point"),
+    )
+    .help("move top away from base; for a flat round shape use disc")
+}
+
+/// Where `a t^2 + 2 b t + c <= 0` on the solid's side of the apex, which is the one where `s` grows
+/// if `ds > 0`: an interval, possibly without end.
+fn inside_quadric(a: f64, b: f64, c: f64, ds: f64) -> Option<(f64, f64)> {
+    let discriminant = b * b - a * c;
+    if a >= 0.0 {
+        // Written so that NaN is a miss.
+        if !(discriminant >= 0.0) {
+            return None;
+        }
+        let q = -(b + discriminant.sqrt().copysign(b));
+        if q == 0.0 {
+            // A touch; or, with a = 0, a line at constant distance.
+            return match a > 0.0 {
+                true => Some((0.0, 0.0)),
+                false => (c <= 0.0).then_some((f64::NEG_INFINITY, f64::INFINITY)),
+            };
+        }
+        let (t0, t1) = (q / a, c / q);
+        Some((t0.min(t1), t0.max(t1)))
+    } else if a < 0.0 {
+        // Steeper than the side: always two roots, one on each nappe, and inside beyond them. A negative
+        // discriminant is rounding at the apex.
+        let q = -(b + discriminant.max(0.0).sqrt().copysign(b));
+        let (t0, t1) = if q == 0.0 { (0.0, 0.0) } else { (q / a, c / q) };
+        Some(if ds > 0.0 { (t0.max(t1), f64::INFINITY) } else { (f64::NEG_INFINITY, t0.min(t1)) })
+    } else {
+        None
+    }
+}
