@@ -85,16 +85,16 @@ static ORIENT: Schema = Schema {
     kind: "orient",
     category: Category::Transform,
     summary: "turns one direction into another",
-    doc: "The smallest turn that takes the direction `from` into the direction `to`; for opposite directions one of the\n\
+    doc: "The smallest turn that takes the direction `axis` into the direction `to`; for opposite directions one of the\n\
           half turns that do.",
     params: &[
+        Param::required("to", Type::Direction, "The direction after."),
         Param::new(
-            "from",
+            "axis",
             Type::Direction,
             Default::Vec3([0.0, 1.0, 0.0]),
-            "The direction before.",
+            "The direction before: the y axis, along which shapes stand.",
         ),
-        Param::required("to", Type::Direction, "The direction after."),
     ],
     example: "cylinder(transform = orient(to = (1, 1, 0)), material = matte(\"gold\"))",
 };
@@ -230,7 +230,7 @@ fn mirror(args: &Args) -> Result<DAffine3, Diagnostic> {
 /// digits, two reflections (Möller and Hughes, "Efficiently Building a Matrix to Rotate One Vector to
 /// Another", Journal of Graphics Tools 4(4), 1999).
 fn orient(args: &Args) -> Result<DAffine3, Diagnostic> {
-    let from = unit(args, "from", args.vec3("from")?)?;
+    let from = unit(args, "axis", args.vec3("axis")?)?;
     let to = unit(args, "to", args.vec3("to")?)?;
     let (axis, cosine) = (from.cross(to), from.dot(to));
     let turn = if cosine > -1.0 + 1e-6 {

@@ -87,7 +87,8 @@ fn quarter_turns_are_exact_and_in_the_order_x_y_z() {
     assert_eq!(all.transform_vector3(DVec3::Y), DVec3::Y);
     assert_eq!(all.transform_vector3(DVec3::X), -DVec3::Z);
     let x: &[(&str, Value)] = &[("x", n(33.0))];
-    let (y, z): (&[(&str, Value)], &[(&str, Value)]) = (&[("y", n(-71.0))], &[("z", n(12.0))]);
+    let y: &[(&str, Value)] = &[("y", n(-71.0))];
+    let z: &[(&str, Value)] = &[("z", n(12.0))];
     let listed = list(&[("rotate", x), ("rotate", y), ("rotate", z)]).unwrap();
     let at_once = one("rotate", &[("x", n(33.0)), ("y", n(-71.0)), ("z", n(12.0))]);
     near(listed.transform_point3(P), at_once.transform_point3(P));
@@ -123,7 +124,7 @@ fn orient_is_a_rotation_for_all_pairs_opposite_ones_too() {
     ];
     for from in directions {
         for to in directions {
-            let args = [("from", v(from.x, from.y, from.z)), ("to", v(to.x, to.y, to.z))];
+            let args = [("axis", v(from.x, from.y, from.z)), ("to", v(to.x, to.y, to.z))];
             let m = one("orient", &args).matrix3;
             let unit = |d: DVec3| dioptric_math::normalize(d).unwrap();
             assert!((m * unit(from) - unit(to)).length() < 1e-9, "{from} {to}");

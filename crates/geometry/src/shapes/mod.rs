@@ -11,6 +11,7 @@ use crate::shape::{Crossing, LocalSurface, Root, Shape};
 
 pub mod cone;
 mod convex;
+pub mod csg;
 pub mod cuboid;
 pub mod cylinder;
 pub mod disc;
@@ -97,6 +98,9 @@ registry! {
     Disc(Box<disc::Disc>),
     Cylinder(Box<cylinder::Cylinder>),
     Cone(Box<cone::Cone>),
+    Union(Box<csg::Union>),
+    Intersection(Box<csg::Intersection>),
+    Difference(Box<csg::Difference>),
 }
 
 impl<S: Shape> Shape for Box<S> {
