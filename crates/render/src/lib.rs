@@ -13,13 +13,22 @@
 
 pub mod build;
 pub mod camera;
+pub mod film;
+pub mod filter;
 pub mod input;
+pub mod job;
 pub mod light;
 pub mod material;
 pub mod pattern;
 pub mod sampling;
 pub mod setting;
+pub mod stats;
 pub mod vocabulary;
 
+pub use film::{Film, FirstHit, Radiance};
+pub use filter::Filter;
 pub use input::{ColorInput, NumberInput};
+pub use job::{Control, Region, render};
+pub use setting::render::RenderSettings;
+pub use stats::RayCounts;
 pub use vocabulary::vocabulary;

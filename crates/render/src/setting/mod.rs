@@ -3,7 +3,10 @@
 
 use dioptric_scene::Schema;
 
+pub mod develop;
+pub mod overrides;
+pub mod render;
 pub mod root;
 
 /// The schemas of all settings.
-pub static SCHEMAS: &[&Schema] = &[&root::SCHEMA];
+pub static SCHEMAS: &[&Schema] = &[&develop::SCHEMA, &render::SCHEMA, &root::SCHEMA];

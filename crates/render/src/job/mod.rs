@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Making a picture: tiles over threads, progress, and a way to stop.
+//!
+//! A pixel's samples are shot one after the other by one thread, so its bits do not depend on how the
+//! work is shared. Adaptive pictures are made in two passes: all pixels with few samples, then more
+//! for those that the first pass picked (see [`adaptive`]).
+
+pub mod adaptive;
+mod pass;
+mod region;
+
+use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use dioptric_scene::Diagnostic;
+use rayon::ThreadPool;
+
+pub use adaptive::samples_of_pixel;
+pub use region::{Region, TILE};
+
+use self::adaptive::Summary;
+use self::pass::{Sampled, sample_tile, work_through};
+use crate::film::{Film, Radiance, filled};
+use crate::sampling::{Antialias, PixelSample, Stream};
+use crate::setting::render::RenderSettings;
+use crate::stats::RayCounts;
+
+/// Shoots one camera sample: where it lies, the numbers for the rest of its way, and where to count
+/// the rays.
+pub type Shoot<'a> = dyn Fn(&PixelSample, &mut Stream, &mut RayCounts) -> Radiance + Sync + 'a;
+
+/// How a job is watched and stopped.
+#[derive(Clone, Default)]
+pub struct Control<'a> {
+    /// Set it to stop: the film so far comes back within about the time of one sample.
+    pub cancel: Arc<AtomicBool>,
+    /// Called after every tile, by one thread at a time.
+    pub on_progress: Option<&'a (dyn Fn(&Progress<'_>) + Sync)>,
+}
+
+/// How far a job is.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress<'a> {
+    /// The pass that is being made, from 0.
+    pub pass: u32,
+    /// Passes in all: 2 for adaptive pictures, else 1.
+    pub passes: u32,
+    /// Pixels done in this pass.
+    pub done: u64,
+    /// Pixels of this pass.
+    pub total: u64,
+    /// Rays cast in the job so far.
+    pub rays: RayCounts,
+    /// The tile that was finished just now.
+    pub tile: Region,
+    /// The film so far.
+    pub film: &'a Film,
+}
+
+/// Renders a region of a picture: the same bits for every pool, and for a pixel in every region.
+///
+/// When cancelled, the film is returned as it is: pixels without samples are black and transparent,
+/// and [`Film::finished`] is false.
+///
+/// # Errors
+/// There is not enough memory for the film.
+pub fn render(
+    settings: &RenderSettings,
+    region: Region,
+    pool: &ThreadPool,
+    shoot: &Shoot,
+    control: &Control,
+) -> Result<Film, Diagnostic> {
+    let adaptive = settings.antialias == Antialias::Adaptive;
+    let around = if adaptive { region.grown(settings.size) } else { region };
+    let mut state = State {
+        film: Film::new(region)?,
+        summaries: if adaptive { filled(&around)? } else { Vec::new() },
+        progress: PassProgress {
+            pass: 0,
+            passes: 1 + u32::from(adaptive),
+            done: 0,
+            total: around.area(),
+        },
+    };
+    let shared = Mutex::new(&mut state);
+    let samples = 0..settings.samples;
+    let complete = work_through(pool, &around.tiles(), control, |tile| {
+        let sampled = sample_tile(settings, tile, samples.clone(), None, shoot, control);
+        lock(&shared).store(sampled, &around, !adaptive, control);
+    });
+    drop(shared);
+    if adaptive && complete {
+        refine(settings, &around, pool, shoot, control, &mut state);
+    }
+    Ok(state.film)
+}
+
+/// The second pass of adaptive pictures.
+fn refine(
+    settings: &RenderSettings,
+    around: &Region,
+    pool: &ThreadPool,
+    shoot: &Shoot,
+    control: &Control,
+    state: &mut State,
+) {
+    let summaries = std::mem::take(&mut state.summaries);
+    let region = state.film.region();
+    let chosen = Mutex::new(Vec::new());
+    let film = Mutex::new(&mut state.film);
+    // Decides for every pixel, and keeps the tiles in which there is something to do.
+    let complete = work_through(pool, &region.tiles(), control, |tile| {
+        let refined: Vec<bool> = tile
+            .pixels()
+            .map(|pixel| adaptive::wants_more(settings, around, &summaries, pixel))
+            .collect();
+        let mut film = lock(&film);
+        for ([x, y], refined) in tile.pixels().zip(&refined) {
+            if let Some(pixel) = film.pixel_mut(x, y) {
+                pixel.finished = !refined;
+            }
+        }
+        let count = refined.iter().filter(|r| **r).count() as u64;
+        if count > 0 {
+            lock(&chosen).push((tile, count));
+        }
+    });
+    drop(film);
+    if !complete {
+        return;
+    }
+    let mut chosen = chosen.into_inner().unwrap_or_else(PoisonError::into_inner);
+    chosen.sort_by_key(|(tile, _)| (tile.y, tile.x));
+    state.progress =
+        PassProgress { pass: 1, passes: 2, done: 0, total: chosen.iter().map(|(_, n)| n).sum() };
+    let tiles: Vec<Region> = chosen.into_iter().map(|(tile, _)| tile).collect();
+    let shared = Mutex::new(state);
+    work_through(pool, &tiles, control, |tile| {
+        let base: Vec<_> = {
+            let state = lock(&shared);
+            tile.pixels()
+                .map(|[x, y]| state.film.pixel(x, y).copied().unwrap_or_default())
+                .collect()
+        };
+        let samples = settings.samples..settings.max_samples;
+        let sampled = sample_tile(settings, tile, samples, Some(base), shoot, control);
+        lock(&shared).store(sampled, around, true, control);
+    });
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// What the threads write into.
+struct State {
+    film: Film,
+    /// Of the region and its surroundings, row by row; adaptive pictures only.
+    summaries: Vec<Summary>,
+    progress: PassProgress,
+}
+
+struct PassProgress {
+    pass: u32,
+    passes: u32,
+    done: u64,
+    total: u64,
+}
+
+impl State {
+    fn store(&mut self, tile: Sampled, around: &Region, finished: bool, control: &Control) {
+        for ([x, y], pixel) in tile.region.pixels().zip(&tile.pixels) {
+            let Some((mut pixel, summary)) = *pixel else { continue };
+            self.progress.done += 1;
+            let index = around.index(x, y);
+            if let Some(slot) = index.and_then(|i| self.summaries.get_mut(i)) {
+                *slot = summary;
+            }
+            if let Some(slot) = self.film.pixel_mut(x, y) {
+                pixel.finished = finished;
+                *slot = pixel;
+            }
+        }
+        self.film.rays.add(&tile.rays);
+        if let Some(report) = control.on_progress {
+            let PassProgress { pass, passes, done, total } = self.progress;
+            let (rays, film, tile) = (self.film.rays, &self.film, tile.region);
+            report(&Progress { pass, passes, done, total, rays, tile, film });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

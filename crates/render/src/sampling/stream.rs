@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The numbers of one sample, in the order in which they are asked for.
+//!
+//! Every request is a new dimension. Within a dimension the samples of a pixel share one sequence, so
+//! that together they are spread evenly; dimensions and pixels are independent of each other.
+
+use dioptric_math::random;
+
+use super::{Antialias, sobol, strata};
+
+/// The numbers of one sample of one pixel.
+#[derive(Clone, Debug)]
+pub struct Stream {
+    kind: Kind,
+    /// The key of the pixel and the seed.
+    key: u64,
+    sample: u32,
+    dimension: u64,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Kind {
+    Sobol,
+    Random,
+}
+
+impl Stream {
+    /// The numbers of sample `sample` of a pixel of the full picture: random for
+    /// [`Antialias::Jitter`], Sobol's for all others.
+    #[must_use]
+    pub fn new(sampler: Antialias, pixel: [u32; 2], sample: u32, seed: u64) -> Self {
+        let kind = if sampler == Antialias::Jitter { Kind::Random } else { Kind::Sobol };
+        let place = u64::from(pixel[1]) << 32 | u64::from(pixel[0]);
+        Self { kind, key: random::join(random::mix(seed), place), sample, dimension: 0 }
+    }
+
+    /// The number of the sample that this is the stream of.
+    #[must_use]
+    pub const fn sample(&self) -> u32 {
+        self.sample
+    }
+
+    /// One number in `[0, 1)`.
+    pub fn next_1d(&mut self) -> f64 {
+        self.next_2d()[0]
+    }
+
+    /// Two numbers in `[0, 1)`, evenly spread over the square by the pixel's samples together.
+    pub fn next_2d(&mut self) -> [f64; 2] {
+        let key = self.next_key();
+        self.point(key, self.sample, 1)
+    }
+
+    /// `n` pairs in `[0, 1)`, evenly spread among themselves (for a light of which one sample of the
+    /// pixel takes `n` samples) and, with Sobol's numbers, with those of the pixel's other samples.
+    pub fn pairs(&mut self, n: u32) -> impl Iterator<Item = [f64; 2]> + use<> {
+        let key = self.next_key();
+        let this = self.clone();
+        (0..n).map(move |i| this.point(key, this.sample.wrapping_mul(n).wrapping_add(i), n))
+    }
+
+    /// Number `index` of another sequence for the same pixel, not that of the sample's number.
+    pub(super) fn next_2d_at(&mut self, index: u32) -> [f64; 2] {
+        let key = self.next_key();
+        self.point(key, index, 1)
+    }
+
+    fn next_key(&mut self) -> u64 {
+        self.dimension += 1;
+        random::mix(self.key ^ self.dimension.wrapping_mul(0xd605_bbb5_8c8a_bbfd))
+    }
+
+    /// Point `index` of a dimension; random points are jittered in groups of `n`.
+    fn point(&self, key: u64, index: u32, n: u32) -> [f64; 2] {
+        match self.kind {
+            Kind::Sobol => sobol::pair(index, key),
+            Kind::Random => {
+                let first = random::join(key, u64::from(index));
+                let u = [random::unit(first), random::unit(random::mix(first))];
+                if n == 1 { u } else { in_cell(u, index % n, n) }
+            }
+        }
+    }
+}
+
+/// A point of the unit square, moved into cell `cell` of the grid of `n` cells.
+pub(super) fn in_cell(u: [f64; 2], cell: u32, n: u32) -> [f64; 2] {
+    let (columns, rows) = strata(n);
+    // The sum can round up to the whole number above.
+    let place =
+        |u: f64, i: u32, n: u32| ((f64::from(i) + u) / f64::from(n)).min(1.0 - f64::EPSILON);
+    [place(u[0], cell % columns, columns), place(u[1], cell / columns, rows)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BOTH: [Antialias; 2] = [Antialias::Sobol, Antialias::Jitter];
+
+    #[test]
+    fn a_stream_is_a_function_of_its_key() {
+        for kind in BOTH {
+            let take = |pixel, sample, seed| {
+                let mut s = Stream::new(kind, pixel, sample, seed);
+                (s.next_1d(), s.next_2d(), s.pairs(3).collect::<Vec<_>>(), s.next_1d())
+            };
+            let base = take([3, 4], 5, 6);
+            assert_eq!(base, take([3, 4], 5, 6));
+            for other in [take([4, 3], 5, 6), take([3, 4], 6, 6), take([3, 4], 5, 7)] {
+                assert!(base.0 != other.0 && base.1 != other.1 && base.2 != other.2);
+            }
+        }
+    }
+
+    #[test]
+    fn numbers_are_in_range_even_at_the_ends() {
+        for kind in BOTH {
+            let mut s = Stream::new(kind, [u32::MAX; 2], u32::MAX, u64::MAX);
+            for _ in 0..1000 {
+                let all = s.pairs(5).chain([s.next_2d()]).collect::<Vec<_>>();
+                assert!(all.iter().flatten().all(|u| (0.0..1.0).contains(u)));
+            }
+            assert_eq!(s.pairs(0).count(), 0);
+        }
+    }
+
+    #[test]
+    fn dimensions_and_pixels_are_uncorrelated() {
+        // Correlation of 4096 independent uniform pairs: standard deviation 1/64.
+        let correlation = |pairs: &[[f64; 2]]| {
+            let n = pairs.len() as f64;
+            12.0 * pairs.iter().map(|[a, b]| (a - 0.5) * (b - 0.5)).sum::<f64>() / n
+        };
+        for kind in BOTH {
+            let streams = |sample| (0..4096).map(move |x| Stream::new(kind, [x, 7], sample, 1));
+            let dimensions: Vec<_> = streams(2).map(|mut s| [s.next_1d(), s.next_1d()]).collect();
+            let samples: Vec<_> = streams(0)
+                .zip(streams(1000))
+                .map(|(mut a, mut b)| [a.next_1d(), b.next_1d()])
+                .collect();
+            let neighbours: Vec<_> = streams(2)
+                .zip(streams(2).skip(1))
+                .map(|(mut a, mut b)| [a.next_1d(), b.next_1d()])
+                .collect();
+            for pairs in [dimensions, samples, neighbours] {
+                assert!(correlation(&pairs).abs() < 3.5 / 64.0, "{kind:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn pairs_are_stratified_within_a_sample() {
+        for kind in BOTH {
+            for sample in 0..20 {
+                let mut s = Stream::new(kind, [1, 2], sample, 3);
+                let mut seen = [false; 16];
+                for [x, y] in s.pairs(16) {
+                    seen[(y * 4.0) as usize * 4 + (x * 4.0) as usize] = true;
+                }
+                assert_eq!(seen, [true; 16], "{kind:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn sobol_pairs_of_all_samples_are_one_net() {
+        let mut seen = [false; 64];
+        for sample in 0..16 {
+            for [x, y] in Stream::new(Antialias::Sobol, [9, 9], sample, 3).pairs(4) {
+                seen[(y * 8.0) as usize * 8 + (x * 8.0) as usize] = true;
+            }
+        }
+        assert_eq!(seen, [true; 64]);
+    }
+}

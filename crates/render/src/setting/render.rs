@@ -1,0 +1,353 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! `render(...)`: size, samples, filter, and how far light is followed.
+
+use dioptric_scene::Default as Preset;
+use dioptric_scene::{Args, Category, Description, Diagnostic, Param, Schema, Type, Value};
+
+use super::overrides::Overridden;
+use crate::filter::Filter;
+use crate::sampling::Antialias;
+
+/// Pixels that a picture may have unless its maker allows more: 16384 x 16384.
+pub const MAX_PIXELS: u64 = 1 << 28;
+
+/// Samples that a pixel may have.
+pub const MAX_SAMPLES: u32 = 1 << 16;
+
+/// The schema of `render`.
+pub static SCHEMA: Schema = Schema {
+    kind: "render",
+    category: Category::Setting,
+    summary: "size, anti-aliasing, filter, and how far light is followed",
+    doc: "Everything here can be given to the program too, which then wins over the scene.\n\n\
+          `antialias`: \"none\" takes one sample at the pixel's centre; \"grid\" the centres of a grid of\n\
+          `samples` cells (use 4, 9, 16, ...); \"report\" four at 0.2 and 0.8 of the pixel's width and height;\n\
+          \"jitter\" one anywhere in each cell of the grid; \"sobol\" evenly spread ones (use powers of two);\n\
+          \"adaptive\" takes `samples` like \"sobol\", and `max_samples` where the picture changes: see\n\
+          [anti-aliasing](antialiasing.md).\n\n\
+          `integrator`: \"whitted\" is the real picture; the others show something else of what the camera\n\
+          sees: a quick preview (\"eyelight\"), `normals`, `depth`, `uv`, a colour for each `object` or `material`,\n\
+          and where the time goes (`cost` of the search for hits, `rays` of each pixel).",
+    params: &[
+        Param::new(
+            "size",
+            Type::Vec2,
+            Preset::Vec2([800.0, 600.0]),
+            "Width and height of the picture in pixels.",
+        ),
+        Param::new(
+            "samples",
+            Type::Integer { min: 1, max: MAX_SAMPLES as i64 },
+            Preset::Absent,
+            "Samples of a pixel. Without: 4 for \"grid\", \"report\" and \"adaptive\", 16 for \"jitter\" and \
+             \"sobol\". \"none\" always takes 1.",
+        ),
+        Param::new(
+            "antialias",
+            Type::Choice(Antialias::NAMES),
+            Preset::Text("sobol"),
+            "How the samples of a pixel are placed.",
+        ),
+        Param::new(
+            "threshold",
+            Type::UNIT,
+            Preset::Number(0.05),
+            "With \"adaptive\": the difference of neighbours from which on they get more samples, as a share \
+             of the way from black to white on a display. At 1 colours do not matter, only objects and normals.",
+        ),
+        Param::new(
+            "max_samples",
+            Type::Integer { min: 1, max: MAX_SAMPLES as i64 },
+            Preset::Absent,
+            "With \"adaptive\": samples of a pixel where the picture changes. Without: 16 times `samples`.",
+        ),
+        Param::new(
+            "filter",
+            Type::Choice(Filter::NAMES),
+            Preset::Text("box"),
+            "How much a sample counts by its distance from the pixel's centre.",
+        ),
+        Param::new(
+            "filter_radius",
+            Type::Number { min: 0.01, max: 16.0 },
+            Preset::Absent,
+            "Half the filter's width in pixels. Without: box 0.5, tent 1, gaussian 1.5, mitchell and \
+             blackman_harris 2.",
+        ),
+        Param::new(
+            "integrator",
+            Type::Choice(Integrator::NAMES),
+            Preset::Text("whitted"),
+            "What the picture shows.",
+        ),
+        Param::new(
+            "bounces",
+            Type::Integer { min: 0, max: 64 },
+            Preset::Number(10.0),
+            "At most so many reflections and passes through objects are followed, one after the other.",
+        ),
+        Param::new(
+            "min_contribution",
+            Type::UNIT,
+            Preset::Number(0.001),
+            "Rays that can change a pixel by less than this share are not followed. 0 follows all.",
+        ),
+        Param::new(
+            "shadows",
+            Type::Choice(Shadows::NAMES),
+            Preset::Text("opaque"),
+            "What blocks light: everything (\"opaque\"), everything as far as it is not transparent \
+             (\"tinted\"), or nothing (\"none\").",
+        ),
+        Param::new(
+            "seed",
+            Type::Integer { min: 0, max: 1 << 53 },
+            Preset::Number(0.0),
+            "Another number gives other random numbers.",
+        ),
+    ],
+    example: "",
+};
+
+/// What the picture shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Integrator {
+    /// Whitted's recursive ray tracing.
+    #[default]
+    Whitted,
+    /// Colours lit from the camera: a quick preview.
+    Eyelight,
+    /// Shading normals, -1 to 1 shown as 0 to 1.
+    Normals,
+    /// Distance from the camera.
+    Depth,
+    /// Surface coordinates as red and green.
+    Uv,
+    /// A colour for each object.
+    Object,
+    /// A colour for each material.
+    Material,
+    /// Boxes and objects that the BVH tested.
+    Cost,
+    /// Rays behind each pixel.
+    Rays,
+}
+
+impl Integrator {
+    /// The words of the `integrator` parameter.
+    pub const NAMES: &'static [&'static str] =
+        &["whitted", "eyelight", "normals", "depth", "uv", "object", "material", "cost", "rays"];
+
+    const ALL: [Self; 9] = [
+        Self::Whitted,
+        Self::Eyelight,
+        Self::Normals,
+        Self::Depth,
+        Self::Uv,
+        Self::Object,
+        Self::Material,
+        Self::Cost,
+        Self::Rays,
+    ];
+
+    /// The integrator of a word.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::NAMES.iter().zip(Self::ALL).find(|(word, _)| **word == name).map(|(_, i)| i)
+    }
+
+    /// Its word.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        Self::NAMES.get(self as usize).copied().unwrap_or("whitted")
+    }
+}
+
+/// What blocks light.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Shadows {
+    /// Every object, glass too.
+    #[default]
+    Opaque,
+    /// Transparent objects let light through as far as they are transparent, in their colour.
+    Tinted,
+    /// Nothing.
+    None,
+}
+
+impl Shadows {
+    /// The words of the `shadows` parameter.
+    pub const NAMES: &'static [&'static str] = &["opaque", "tinted", "none"];
+
+    const ALL: [Self; 3] = [Self::Opaque, Self::Tinted, Self::None];
+
+    /// The kind of shadows of a word.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::NAMES.iter().zip(Self::ALL).find(|(word, _)| **word == name).map(|(_, s)| s)
+    }
+
+    /// Its word.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        Self::NAMES.get(self as usize).copied().unwrap_or("opaque")
+    }
+}
+
+/// The settings of a picture, checked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RenderSettings {
+    /// Width and height in pixels, at least 1 each.
+    pub size: [u32; 2],
+    /// Samples of every pixel; with [`Antialias::Adaptive`] before the decision.
+    pub samples: u32,
+    /// How samples are placed.
+    pub antialias: Antialias,
+    /// See the parameter.
+    pub threshold: f64,
+    /// Samples of a refined pixel; equal to `samples` unless adaptive.
+    pub max_samples: u32,
+    /// The reconstruction filter.
+    pub filter: Filter,
+    /// Its radius in pixels.
+    pub filter_radius: f64,
+    /// What the picture shows.
+    pub integrator: Integrator,
+    /// At most so many bounces.
+    pub bounces: u32,
+    /// Smallest share of a pixel worth a ray.
+    pub min_contribution: f64,
+    /// What blocks light.
+    pub shadows: Shadows,
+    /// Fixes all random numbers.
+    pub seed: u64,
+}
+
+impl Default for RenderSettings {
+    fn default() -> Self {
+        Self {
+            size: [800, 600],
+            samples: 16,
+            antialias: Antialias::Sobol,
+            threshold: 0.05,
+            max_samples: 16,
+            filter: Filter::Box,
+            filter_radius: 0.5,
+            integrator: Integrator::Whitted,
+            bounces: 10,
+            min_contribution: 0.001,
+            shadows: Shadows::Opaque,
+            seed: 0,
+        }
+    }
+}
+
+impl RenderSettings {
+    /// The settings that a `render` node describes; pictures of more than `max_pixels` are refused.
+    ///
+    /// # Errors
+    /// An argument is wrong, or two do not go together.
+    pub fn from_args(args: &Args, max_pixels: u64) -> Result<Self, Diagnostic> {
+        let antialias = word(args, "antialias", Antialias::from_name)?;
+        let filter = word(args, "filter", Filter::from_name)?;
+        let (samples, max_samples) = samples(args, antialias)?;
+        Ok(Self {
+            size: size(args, max_pixels)?,
+            samples,
+            antialias,
+            threshold: args.number("threshold")?,
+            max_samples,
+            filter,
+            filter_radius: args
+                .optional_number("filter_radius")?
+                .unwrap_or(filter.default_radius()),
+            integrator: word(args, "integrator", Integrator::from_name)?,
+            bounces: args.integer("bounces")? as u32,
+            min_contribution: args.number("min_contribution")?,
+            shadows: word(args, "shadows", Shadows::from_name)?,
+            seed: args.integer("seed")? as u64,
+        })
+    }
+
+    /// The scene's settings, else the default ones, with the arguments in `replaced` on top.
+    ///
+    /// # Errors
+    /// As [`Self::from_args`]; a replaced argument that `render` does not have.
+    pub fn from_scene(
+        scene: &Description,
+        replaced: &[(&str, Value)],
+        max_pixels: u64,
+    ) -> Result<Self, Diagnostic> {
+        let setting = Overridden::new(scene, &SCHEMA, replaced)?;
+        Self::from_args(&setting.args(), max_pixels).map_err(|error| setting.explain(error))
+    }
+
+    /// Width over height.
+    #[must_use]
+    pub fn aspect(&self) -> f64 {
+        f64::from(self.size[0]) / f64::from(self.size[1])
+    }
+}
+
+/// The choice that a word means.
+fn word<T>(args: &Args, name: &str, parse: fn(&str) -> Option<T>) -> Result<T, Diagnostic> {
+    let text = args.text(name)?;
+    parse(&text).ok_or_else(|| {
+        args.error(name, "wrong-value", format!("{name} of render: unknown word \"{text}\""))
+    })
+}
+
+fn size(args: &Args, max_pixels: u64) -> Result<[u32; 2], Diagnostic> {
+    let [width, height] = args.vec2("size")?;
+    let whole = |x: f64| x >= 1.0 && x.trunc() == x;
+    if !(whole(width) && whole(height)) {
+        let message = format!(
+            "size of render: expected two whole numbers of at least 1, got ({width}, {height})"
+        );
+        return Err(args
+            .error("size", "wrong-value", message)
+            .help("write size = (width, height) in pixels, such as size = (800, 600)"));
+    }
+    // Compared as f64: sides of 1e300 do not fit into integers.
+    if width * height > max_pixels as f64 || width.max(height) > f64::from(u32::MAX) {
+        let message = format!(
+            "size of render: {width} x {height} is more than the limit of {max_pixels} pixels"
+        );
+        return Err(args
+            .error("size", "too-large", message)
+            .help("make the picture smaller, or raise the limit with --max-pixels"));
+    }
+    Ok([width as u32, height as u32])
+}
+
+fn samples(args: &Args, antialias: Antialias) -> Result<(u32, u32), Diagnostic> {
+    let whole = |name| Ok(args.optional_number(name)?.map(|n| n as u32));
+    let (samples, max) = (whole("samples")?, whole("max_samples")?);
+    let samples = match (antialias, samples) {
+        (Antialias::None, _) | (_, None) => antialias.default_samples(),
+        (Antialias::Report, Some(n)) if n != 4 => {
+            let message = format!("samples of render: \"report\" takes 4 samples, got {n}");
+            return Err(args
+                .error("samples", "wrong-value", message)
+                .help("leave samples out, or write antialias = \"grid\""));
+        }
+        (_, Some(n)) => n,
+    };
+    if antialias != Antialias::Adaptive {
+        return Ok((samples, samples));
+    }
+    let max = max.unwrap_or(samples.saturating_mul(16).min(MAX_SAMPLES));
+    if max < samples {
+        let message = format!(
+            "max_samples of render: expected at least samples, which is {samples}, got {max}"
+        );
+        return Err(args
+            .error("max_samples", "wrong-value", message)
+            .help(format!("write max_samples = {} or make samples smaller", samples * 4)));
+    }
+    Ok((samples, max))
+}
+
+#[cfg(test)]
+#[path = "render_tests.rs"]
+mod tests;
