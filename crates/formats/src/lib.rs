@@ -8,14 +8,18 @@
 
 #![deny(unsafe_code)]
 
+pub mod json;
 pub mod report;
 
+mod build;
+mod call;
 mod depth;
 mod options;
 mod starlark;
 
 use dioptric_scene::{Description, Diagnostic, Loader, Severity, Sources, Vocabulary};
 
+use build::Build;
 pub use options::{Limits, ParamInfo, ReadOptions};
 
 /// A scene that was read.
@@ -62,6 +66,7 @@ pub fn read(
     let extension = path.rsplit_once('.').map_or("", |(_, extension)| extension);
     let reader = match extension.to_ascii_lowercase().as_str() {
         "star" => starlark::read,
+        "json" => json::read,
         _ => {
             return Err(fail(
                 Diagnostic::error("unknown-format", format!("{path} is in no known scene format"))
@@ -75,7 +80,7 @@ pub fn read(
 }
 
 /// The extensions of the formats that [`read`] knows.
-pub const EXTENSIONS: &[&str] = &[".star"];
+pub const EXTENSIONS: &[&str] = &[".star", ".json"];
 
 /// The text of a scene file, with the reasons why it is none.
 fn decode(path: &str, bytes: Vec<u8>, options: &ReadOptions) -> Result<String, ReadError> {
@@ -108,13 +113,13 @@ fn decode(path: &str, bytes: Vec<u8>, options: &ReadOptions) -> Result<String, R
     })
 }
 
-/// Splits diagnostics into a result: an error if one of them is.
+/// The result of a finished reading: an error if one of its diagnostics is.
 fn conclude(
-    description: Description,
-    diagnostics: Vec<Diagnostic>,
+    build: Build,
     params: Vec<ParamInfo>,
     printed: Vec<String>,
 ) -> Result<Reading, ReadError> {
+    let Build { description, diagnostics, .. } = build;
     if diagnostics.iter().any(|d| d.severity == Severity::Error) {
         Err(ReadError { sources: description.sources, diagnostics, printed })
     } else {

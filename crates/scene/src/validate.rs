@@ -15,6 +15,10 @@ use crate::suggest;
 /// Settings and parameters by which a scene without lights can still be bright.
 const BRIGHT: [&str; 4] = ["ambient", "background", "environment", "emission"];
 
+/// Nodes within nodes: no reader makes a description that nests deeper, so whoever walks one may
+/// call itself for every level.
+pub const MAX_NESTING: usize = 100;
+
 /// Leaves one camera among the roots: the one called `wanted`, else the first.
 ///
 /// # Errors

@@ -11,7 +11,7 @@ use starlark::environment::Globals;
 use starlark::errors::Frame;
 use starlark::syntax::AstModule;
 
-use super::state::{Build, State, Stop};
+use super::state::{State, Stop};
 
 /// One of our own errors on its way through the evaluator. Without a diagnostic: enough errors were
 /// recorded to stop.
@@ -44,19 +44,18 @@ impl std::error::Error for Raised {}
 /// to say was recorded before.
 pub(crate) fn diagnose(error: &starlark::Error, state: &State) -> Option<Diagnostic> {
     let mut diagnostic = message(error, state)?;
-    let build = state.build();
     if diagnostic.labels.is_empty()
         && let Some(place) = error.span()
     {
-        diagnostic = diagnostic.at(build.span(place), "");
+        diagnostic = diagnostic.at(state.span(place), "");
     }
-    Some(with_callers(diagnostic, &error.call_stack().frames, &build))
+    Some(with_callers(diagnostic, &error.call_stack().frames, state))
 }
 
-fn with_callers(mut diagnostic: Diagnostic, frames: &[Frame], build: &Build) -> Diagnostic {
+fn with_callers(mut diagnostic: Diagnostic, frames: &[Frame], state: &State) -> Diagnostic {
     let mut spans: Vec<(Span, &str)> = Vec::new();
     for frame in frames.iter().rev() {
-        let span = frame.location.as_ref().map_or(Span::NONE, |place| build.span(place));
+        let span = frame.location.as_ref().map_or(Span::NONE, |place| state.span(place));
         let known = diagnostic.labels.iter().map(|label| label.span).any(|s| s == span)
             || spans.iter().any(|(s, _)| *s == span);
         if span.is_some() && !known && spans.len() < 4 {

@@ -4,7 +4,7 @@
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 
-use dioptric_scene::{Diagnostic, Loader, Vocabulary, suggest, validate};
+use dioptric_scene::{Diagnostic, Loader, Vocabulary, suggest};
 use starlark::environment::{FrozenModule, Globals, Module};
 use starlark::eval::{Evaluator, FileLoader};
 use starlark::syntax::AstModule;
@@ -44,28 +44,18 @@ pub(super) fn read_scene(
         open: RefCell::new(vec![path.to_string()]),
     };
     let result = Module::with_temp_heap(|module| session.evaluate(path, text, &module));
-    if let Err(error) = result {
-        let diagnostic = errors::diagnose(&error, &state);
-        let mut build = state.build();
-        if let Some(diagnostic) = diagnostic {
-            build.record(diagnostic);
-        }
-    }
     drop(session);
-    let mut build = state.into_build();
-    if build.diagnostics.is_empty() {
-        build.finish_roots();
-        build.diagnostics.extend(unknown_settings(options, &build.params));
-        let camera = options.camera.as_deref();
-        match validate::choose_camera(&mut build.description, camera) {
-            Ok(()) => {
-                let found = validate::validate(&build.description);
-                build.diagnostics.extend(found);
-            }
-            Err(error) => build.diagnostics.push(error),
-        }
+    if let Err(error) = result
+        && let Some(diagnostic) = errors::diagnose(&error, &state)
+    {
+        state.build().record(diagnostic);
     }
-    conclude(build.description, build.diagnostics, build.params, build.printed)
+    let (mut build, params, printed) = state.into_parts();
+    if build.diagnostics.is_empty() {
+        build.diagnostics.extend(unknown_settings(options, &params));
+    }
+    build.finish(options.camera.as_deref());
+    conclude(build, params, printed)
 }
 
 /// `--set` for names that the scene never asked for.
@@ -127,12 +117,12 @@ impl Session<'_> {
             Ok(mut ast) => {
                 guards::rewrite(&mut ast);
                 let code = ast.file_span(starlark::codemap::Span::default()).file;
-                self.state.build().add_file(path, &code);
+                self.state.add_file(path, &code);
                 Ok(ast)
             }
             Err(error) => {
                 match error.span() {
-                    Some(place) => self.state.build().add_file(path, &place.file),
+                    Some(place) => self.state.add_file(path, &place.file),
                     None => self.state.build().description.sources.add(path, text),
                 };
                 Err(error)
@@ -150,12 +140,12 @@ impl Session<'_> {
     ) -> starlark::Error {
         let Ok(ast) = AstModule::parse(path, text, &DIALECT) else { return error };
         let own: Vec<String> = module.names().map(|name| name.as_str().to_string()).collect();
-        let mut build = self.state.build();
-        let Some(place) = error.span().map(|span| build.span(span)) else { return error };
+        let Some(place) = error.span().map(|span| self.state.span(span)) else { return error };
         let found = errors::unknown_names(&ast, &self.globals, &own, place.file);
         if found.is_empty() {
             return error;
         }
+        let mut build = self.state.build();
         for diagnostic in found {
             build.record(diagnostic);
         }
@@ -187,12 +177,12 @@ impl Session<'_> {
             error.diagnostics.into_iter().next().map_or_else(Raised::enough, Raised::with)
         })?;
         self.open.borrow_mut().push(path.clone());
-        self.state.build().loading += 1;
+        let defining = std::mem::replace(&mut self.state.build().only_define, true);
         let result = Module::with_temp_heap(|module| {
             self.evaluate(&path, text, &module)?;
             module.freeze().map_err(|error| Raised::error("internal", format!("{error:?}")))
         });
-        self.state.build().loading -= 1;
+        self.state.build().only_define = defining;
         self.open.borrow_mut().pop();
         let module = result.map_err(|error| {
             // The error tells its own place, in the file that is loaded.
@@ -232,7 +222,7 @@ struct Printer<'a>(&'a State);
 
 impl PrintHandler for Printer<'_> {
     fn println(&self, text: &str) -> starlark::Result<()> {
-        self.0.build().print(text);
+        self.0.print(text);
         Ok(())
     }
 }

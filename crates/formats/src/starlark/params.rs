@@ -78,10 +78,7 @@ fn param_function(builder: &mut GlobalsBuilder) {
                 to_starlark(&info.value, whole, eval.heap())
             }
         };
-        let mut build = state.build();
-        if !build.params.iter().any(|known| known.name == info.name) {
-            build.params.push(info);
-        }
+        state.add_param(info);
         Ok(value)
     }
 }
