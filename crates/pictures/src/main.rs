@@ -8,6 +8,7 @@
 mod football;
 mod night_sky;
 mod noise;
+mod planet;
 #[cfg(test)]
 mod tests;
 
@@ -22,10 +23,11 @@ struct Picture {
     make: fn(u32, u32) -> Result<Image, ImageError>,
 }
 
-const PICTURES: [Picture; 3] = [
+const PICTURES: [Picture; 4] = [
     Picture { name: "night-sky.png", size: (2048, 1024), make: night_sky::night_sky },
     Picture { name: "football.png", size: (1024, 1024), make: football::football_asin },
     Picture { name: "football-lonlat.png", size: (2048, 1024), make: football::football_lonlat },
+    Picture { name: "planet.png", size: (2048, 1024), make: planet::planet },
 ];
 
 fn main() -> ExitCode {
