@@ -283,6 +283,14 @@ fn check_type(description: &Description, ty: &Type, value: &Value) -> Result<(),
             }
             true
         }
+        (Type::Pair(first, second), _) => match value.items().as_slice() {
+            [a, b] => {
+                check_type(description, first, a)?;
+                check_type(description, second, b)?;
+                true
+            }
+            _ => false,
+        },
         _ => false,
     };
     if ok { Ok(()) } else { expected(kind_of(value)) }
@@ -485,6 +493,15 @@ mod tests {
             check_type(&scene, &Type::Choice(&["phong", "blinn"]), &Value::Text("pong".into()))
                 .unwrap_err(),
             "expected one of \"phong\", \"blinn\", got \"pong\" (did you mean \"phong\"?)"
+        );
+        let stops = Type::List(&Type::Pair(&Type::NUMBER, &Type::ColorPattern));
+        let stop = |color: Value| Value::from_items(vec![Value::Number(0.5), color]);
+        let good = [Value::Number(1.0), Value::Text("red".into()), Value::Vec3([0.0; 3])];
+        let good = Value::from_items(good.map(stop).into());
+        assert_eq!(check_type(&scene, &stops, &good), Ok(()));
+        assert_eq!(
+            check_type(&scene, &stops, &stop(Value::Text("red".into()))).unwrap_err(),
+            "item 1: expected a pair (a number, a colour or a pattern), got 0.5"
         );
     }
 }

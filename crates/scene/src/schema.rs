@@ -106,6 +106,8 @@ pub enum Type {
     Node(Category),
     /// A list of this type; a single value is a list of one.
     List(&'static Type),
+    /// Two values in brackets, `(0.5, "red")`, such as a stop of a ramp.
+    Pair(&'static Type, &'static Type),
 }
 
 impl Type {
@@ -148,6 +150,9 @@ impl Type {
             }
             Self::Node(category) => format!("a {}", category.name()),
             Self::List(item) => format!("a list, each item {}", item.describe()),
+            Self::Pair(first, second) => {
+                format!("a pair ({}, {})", first.describe(), second.describe())
+            }
         }
     }
 }

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Cubes of two colours in turn.
 
-use dioptric_math::{DVec3, Spectrum};
-use dioptric_scene::{Args, Category, Default, Diagnostic, Param, Schema, Type};
+use dioptric_math::Spectrum;
+use dioptric_scene::{Args, Category, Diagnostic, Param, Schema, Type};
 
-use super::{Pattern, PatternPoint, Space};
+use super::place::{self, Place, is_even};
+use super::{Pattern, PatternPoint};
 use crate::build::Builder;
 use crate::input::ColorInput;
 
@@ -13,9 +14,7 @@ use crate::input::ColorInput;
 pub struct Checker {
     even: ColorInput,
     odd: ColorInput,
-    size: DVec3,
-    offset: DVec3,
-    space: Space,
+    place: Place,
 }
 
 static SCHEMA: Schema = Schema {
@@ -32,24 +31,9 @@ static SCHEMA: Schema = Schema {
             "Colour where the indices of the cell sum to an even number.",
         ),
         Param::required("odd", Type::ColorPattern, "Colour of the other cells."),
-        Param::new(
-            "size",
-            Type::Scale,
-            Default::Number(1.0),
-            "Edge lengths of a cell; 0 leaves a direction out.",
-        ),
-        Param::new(
-            "offset",
-            Type::Vec3,
-            Default::Vec3([0.0; 3]),
-            "A corner of the cell (0, 0, 0).",
-        ),
-        Param::new(
-            "space",
-            Type::Choice(Space::NAMES),
-            Default::Text("object"),
-            "Where the pattern lives.",
-        ),
+        place::SIZE,
+        place::OFFSET,
+        place::SPACE,
     ],
     example: "sphere(center = (0, 1, 0), radius = 1, material = matte(checker(\"ivory\", \"firebrick\", size = 0.5)))",
 };
@@ -58,28 +42,56 @@ impl Pattern for Checker {
     const SCHEMA: &'static Schema = &SCHEMA;
 
     fn from_args(args: &Args, builder: &mut Builder) -> Result<Self, Diagnostic> {
-        let size = DVec3::from(args.vec3("size")?);
-        if size.min_element() < 0.0 {
-            return Err(args.error(
-                "size",
-                "wrong-value",
-                "size of checker: expected numbers of at least 0",
-            ));
-        }
         Ok(Self {
             even: builder.color(args, "even")?,
             odd: builder.color(args, "odd")?,
-            size,
-            offset: args.vec3("offset")?.into(),
-            space: Space::from_name(&args.text("space")?).unwrap_or(Space::Object),
+            place: Place::from_args(args)?,
         })
     }
 
     fn eval(&self, point: &PatternPoint) -> Spectrum {
-        let p = self.space.of(point) - self.offset;
-        let index = |x: f64, size: f64| if size > 0.0 { (x / size).floor() } else { 0.0 };
-        let sum = index(p.x, self.size.x) + index(p.y, self.size.y) + index(p.z, self.size.z);
-        // Euclidean remainder in f64: right for negative cells and for cells beyond any integer.
-        if sum.rem_euclid(2.0) == 0.0 { self.even.eval(point) } else { self.odd.eval(point) }
+        let cell = self.place.of(point).floor();
+        if is_even(cell.x + cell.y + cell.z) { self.even.eval(point) } else { self.odd.eval(point) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::pattern::testing::{at, grey, n, pattern, t, v};
+    use dioptric_math::random::Random;
+
+    #[test]
+    fn the_reports_floor() {
+        let floor = pattern(
+            "checker",
+            &[
+                ("even", n(0.2)),
+                ("odd", n(1.0)),
+                ("size", v(4.0, 0.0, 4.0)),
+                ("offset", v(-200.0, 0.0, -200.0)),
+                ("space", t("world")),
+            ],
+        );
+        let mut r = Random::new(5);
+        for i in 0..2000 {
+            let (mut x, mut z) = (r.uniform(-60.0, 60.0), r.uniform(-200.0, -40.0));
+            if i % 2 == 0 {
+                (x, z) = ((x / 4.0).floor() * 4.0, (z / 4.0).floor() * 4.0);
+            }
+            let index = |x: f64| ((x + 200.0) / 4.0).floor() as i64;
+            let dark = index(x).rem_euclid(2) == index(z).rem_euclid(2);
+            assert_eq!(floor.eval(&at(x, -20.0, z)), grey(if dark { 0.2 } else { 1.0 }), "{x} {z}");
+        }
+    }
+
+    #[test]
+    fn the_cell_at_zero_is_as_wide_as_any_other() {
+        let c = pattern("checker", &[("even", n(1.0)), ("odd", n(0.0))]);
+        assert_eq!(c.eval(&at(0.5, 0.5, 0.5)), grey(1.0));
+        assert_eq!(c.eval(&at(-0.5, 0.5, 0.5)), grey(0.0));
+        assert_eq!(c.eval(&at(-1.5, 0.5, 0.5)), grey(1.0));
+        // Fault 8: the same colour on both sides of zero.
+        let faulty = |x: f64| (x as i32) % 2 == 0;
+        assert_eq!(faulty(0.5), faulty(-0.5));
     }
 }

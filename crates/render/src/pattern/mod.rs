@@ -6,7 +6,27 @@ use dioptric_scene::{Args, Diagnostic, Schema};
 
 use crate::build::Builder;
 
+pub mod add;
+pub mod bricks;
 pub mod checker;
+pub mod crackle;
+pub mod dots;
+pub mod gradient;
+pub mod hexagons;
+pub mod lattice;
+pub mod marble;
+pub mod mix;
+pub mod multiply;
+pub mod noise;
+mod perlin;
+mod place;
+pub mod ramp;
+pub mod solid;
+pub mod stripes;
+#[cfg(test)]
+pub(crate) mod testing;
+pub mod turbulence;
+pub mod wood;
 
 /// Where a pattern is asked.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -109,5 +129,119 @@ macro_rules! registry {
 }
 
 registry! {
+    Add(add::Add),
+    Bricks(bricks::Bricks),
     Checker(checker::Checker),
+    Crackle(crackle::Crackle),
+    Dots(dots::Dots),
+    Gradient(gradient::Gradient),
+    Hexagons(hexagons::Hexagons),
+    Lattice(lattice::Lattice),
+    Marble(marble::Marble),
+    Mix(mix::Mix),
+    Multiply(multiply::Multiply),
+    Noise(noise::Noise),
+    Ramp(ramp::Ramp),
+    Solid(solid::Solid),
+    Stripes(stripes::Stripes),
+    Turbulence(turbulence::Turbulence),
+    Wood(wood::Wood),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::testing::{Bench, at, grey, n};
+    use super::*;
+    use dioptric_math::random::Random;
+    use dioptric_scene::Value;
+    use dioptric_scene::schema::{Default, Type};
+
+    /// Every pattern with greys, checkers, or numbers for what must be given.
+    fn all() -> Vec<(&'static str, AnyPattern)> {
+        let mut patterns = Vec::new();
+        for schema in SCHEMAS.iter().filter(|s| s.kind != "image") {
+            let mut bench = Bench::default();
+            let inner = bench.node("checker", &[("even", n(0.1)), ("odd", n(0.9))]);
+            let stop = |x: f64, c: Value| Value::from_items(vec![n(x), c]);
+            let stops = vec![stop(0.0, n(0.2)), stop(0.5, Value::Node(inner)), stop(1.0, n(2.0))];
+            let mut args: Vec<(&str, Value)> = Vec::new();
+            for param in schema.params.iter().filter(|p| p.default == Default::Required) {
+                args.push((
+                    param.name,
+                    match param.ty {
+                        Type::ColorPattern if !args.is_empty() => n(0.3),
+                        Type::ColorPattern | Type::NumberPattern { .. } => Value::Node(inner),
+                        Type::Node(dioptric_scene::Category::Pattern) => Value::Node(inner),
+                        Type::List(&Type::Pair(..)) => Value::List(stops.clone().into()),
+                        Type::List(_) => Value::List([].into()),
+                        _ => n(0.5),
+                    },
+                ));
+            }
+            let id = bench.node(schema.kind, &args);
+            patterns.push((schema.kind, bench.build(id).unwrap_or_else(|e| panic!("{e:?}"))));
+        }
+        patterns
+    }
+
+    #[test]
+    fn no_pattern_gives_nan_or_a_negative_value_anywhere() {
+        let special = [0.0, -0.0, 1e-300, 1e9, -1e18, 1e300, f64::MAX, f64::INFINITY, f64::NAN];
+        for (kind, pattern) in all() {
+            let mut r = Random::new(17);
+            for i in 0..10_000 {
+                let reach = if i % 2 == 0 { 3.0 } else { 1e4 };
+                let mut lane = || {
+                    if i % 5 == 0 {
+                        special[(r.bits() % 9) as usize]
+                    } else {
+                        r.uniform(-reach, reach)
+                    }
+                };
+                let point = at(lane(), lane(), lane());
+                let value = pattern.eval(&point);
+                assert!(
+                    value.min_element() >= 0.0 && value.is_finite(),
+                    "{kind} {point:?}: {value}"
+                );
+                assert_eq!(value, pattern.eval(&point), "{kind}");
+            }
+        }
+    }
+
+    #[test]
+    fn patterns_live_in_the_space_that_they_name() {
+        for (kind, pattern) in all() {
+            // Object and world differ; what a pattern ignores must not change it.
+            let mut r = Random::new(23);
+            let mut changed = [false; 3];
+            for _ in 0..200 {
+                let mut lane = || r.uniform(-2.0, 2.0);
+                let base = at(lane(), lane(), lane());
+                let other = at(lane(), lane(), lane());
+                for (i, point) in [
+                    PatternPoint { object: other.object, ..base },
+                    PatternPoint { world: other.world, ..base },
+                    PatternPoint { uv: other.uv, ..base },
+                ]
+                .iter()
+                .enumerate()
+                {
+                    changed[i] |= pattern.eval(point) != pattern.eval(&base);
+                }
+            }
+            let expected = match kind {
+                "solid" => [false; 3],
+                // Its argument is a checker in object space.
+                "lattice" => [true, true, false],
+                _ => [true, false, false],
+            };
+            assert_eq!(changed, expected, "{kind}");
+        }
+        assert_eq!(Space::Uv.of(&at(1.0, 2.0, 3.0)), DVec3::new(1.0, 2.0, 0.0));
+        assert_eq!(
+            testing::pattern("solid", &[("color", n(0.5))]).eval(&at(0.0, 0.0, 0.0)),
+            grey(0.5)
+        );
+    }
 }
