@@ -212,6 +212,8 @@ struct Quantile {
     step: f64,
     density: Vec<f64>,
     cumulative: Vec<f64>,
+    /// The cell in which a share of `i / CELLS` lies: where a search begins.
+    first: Vec<u32>,
 }
 
 impl Quantile {
@@ -230,12 +232,22 @@ impl Quantile {
         let scale = if sum > 0.0 { 1.0 / sum } else { 0.0 };
         let density = values.iter().map(|v| v * scale).collect();
         cumulative.iter_mut().for_each(|c| *c *= scale);
-        (Self { start, step, density, cumulative }, sum)
+        let first = (0..=Self::CELLS)
+            .map(|i| {
+                let share = i as f64 / Self::CELLS as f64;
+                cumulative.partition_point(|c| *c <= share).clamp(1, Self::CELLS) as u32 - 1
+            })
+            .collect();
+        (Self { start, step, density, cumulative, first }, sum)
     }
 
     /// The place below which a share `v` lies.
     fn at(&self, v: f64) -> f64 {
-        let cell = self.cumulative.partition_point(|c| *c <= v).clamp(1, Self::CELLS) - 1;
+        let guess = ((v * Self::CELLS as f64) as usize).min(Self::CELLS);
+        let mut cell = self.first[guess] as usize;
+        while cell + 1 < Self::CELLS && self.cumulative[cell + 1] <= v {
+            cell += 1;
+        }
         let (a, b) = (self.density[cell], self.density[cell + 1]);
         // a t + (b - a) t^2 / 2 = rest, with the stable formula for the root in [0, 1].
         let rest = (v - self.cumulative[cell]) / self.step;

@@ -89,7 +89,6 @@ pub fn render(
         let sampled = sample_tile(settings, tile, samples.clone(), None, shoot, control);
         lock(&shared).store(sampled, &around, !adaptive, control);
     });
-    drop(shared);
     if adaptive && complete {
         refine(settings, &around, pool, shoot, control, &mut state);
     }
@@ -126,7 +125,6 @@ fn refine(
             lock(&chosen).push((tile, count));
         }
     });
-    drop(film);
     if !complete {
         return;
     }

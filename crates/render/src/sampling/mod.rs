@@ -73,7 +73,7 @@ impl Antialias {
 pub fn strata(n: u32) -> (u32, u32) {
     let n = n.max(1);
     let mut rows = f64::from(n).sqrt() as u32;
-    while rows > 1 && n % rows != 0 {
+    while rows > 1 && !n.is_multiple_of(rows) {
         rows -= 1;
     }
     let rows = rows.max(1);

@@ -239,4 +239,27 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    #[ignore = "a measurement: cargo test --release -p dioptric-render sampling_cost -- --ignored --nocapture"]
+    fn sampling_cost() {
+        for mode in [Antialias::Grid, Antialias::Jitter, Antialias::Sobol] {
+            for filter in Filter::ALL {
+                let s = RenderSettings { filter, filter_radius: 1.5, ..settings(mode, 16) };
+                // The best of several runs: other work on the machine only makes them slower.
+                let mut best = f64::INFINITY;
+                for _ in 0..20 {
+                    let start = std::time::Instant::now();
+                    let (n, mut sum) = (1 << 16, 0.0);
+                    for i in 0..n {
+                        let (sample, mut stream) = pixel_sample(&s, [i / 16, 7], i % 16);
+                        sum += sample.x + sample.lens[0] + stream.next_2d()[1];
+                    }
+                    std::hint::black_box(sum);
+                    best = best.min(start.elapsed().as_nanos() as f64 / f64::from(n));
+                }
+                println!("{mode:?} {filter:?}: {best:.1} ns a sample");
+            }
+        }
+    }
 }

@@ -65,6 +65,17 @@ pub fn from_scene(scene: &Description, replaced: &[(&str, Value)]) -> Result<Dev
     from_args(&setting.args()).map_err(|error| setting.explain(error))
 }
 
+/// Every parameter with its value, in the schema's order: read again, they give the same
+/// development. For metadata and statistics.
+#[must_use]
+pub fn to_values(develop: &Develop) -> Vec<(&'static str, Value)> {
+    vec![
+        ("exposure", Value::Number(develop.exposure)),
+        ("tone", Value::Text(develop.tone.name().into())),
+        ("encoding", Value::Text(develop.encoding.name().into())),
+    ]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -88,6 +99,7 @@ mod tests {
         let got = from_scene(&scene, &[("exposure", Value::Number(2.0)), ("tone", text("aces"))]);
         let expected = Develop { exposure: 2.0, tone: Tone::Aces, encoding: Encoding::Raw };
         assert_eq!(got, Ok(expected));
+        assert_eq!(from_scene(&scene, &to_values(&expected)), got);
     }
 
     #[test]

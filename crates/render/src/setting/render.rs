@@ -282,6 +282,27 @@ impl RenderSettings {
         Self::from_args(&setting.args(), max_pixels).map_err(|error| setting.explain(error))
     }
 
+    /// Every parameter with its value, in the schema's order: read again, they give the same settings.
+    /// For metadata and statistics.
+    #[must_use]
+    pub fn to_values(&self) -> Vec<(&'static str, Value)> {
+        let number = |n: u32| Value::Number(f64::from(n));
+        vec![
+            ("size", Value::Vec2(self.size.map(f64::from))),
+            ("samples", number(self.samples)),
+            ("antialias", Value::Text(self.antialias.name().into())),
+            ("threshold", Value::Number(self.threshold)),
+            ("max_samples", number(self.max_samples)),
+            ("filter", Value::Text(self.filter.name().into())),
+            ("filter_radius", Value::Number(self.filter_radius)),
+            ("integrator", Value::Text(self.integrator.name().into())),
+            ("bounces", number(self.bounces)),
+            ("min_contribution", Value::Number(self.min_contribution)),
+            ("shadows", Value::Text(self.shadows.name().into())),
+            ("seed", Value::Number(self.seed as f64)),
+        ]
+    }
+
     /// Width over height.
     #[must_use]
     pub fn aspect(&self) -> f64 {

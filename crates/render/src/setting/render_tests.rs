@@ -116,3 +116,25 @@ fn callers_win_over_the_scene_and_are_not_blamed_on_its_text() {
     assert_eq!(&source[span.start as usize..span.end as usize], "9");
     assert_eq!(with(&[], 1000).unwrap_err().code, "too-large");
 }
+
+#[test]
+fn settings_survive_being_written_and_read() {
+    let names: Vec<_> = SCHEMA.params.iter().map(|p| p.name).collect();
+    for mode in Antialias::NAMES {
+        let settings = RenderSettings {
+            size: [31, 17],
+            threshold: 0.25,
+            filter: Filter::Mitchell,
+            filter_radius: 1.75,
+            integrator: Integrator::Cost,
+            bounces: 3,
+            min_contribution: 0.0,
+            shadows: Shadows::Tinted,
+            seed: 1 << 52,
+            ..with(&[("antialias", text(mode))]).unwrap()
+        };
+        let values = settings.to_values();
+        assert_eq!(values.iter().map(|(name, _)| *name).collect::<Vec<_>>(), names);
+        assert_eq!(with(&values), Ok(settings));
+    }
+}
