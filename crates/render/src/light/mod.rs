@@ -7,7 +7,12 @@ use dioptric_scene::{Args, Diagnostic, Schema};
 use crate::build::Builder;
 use crate::setting::root::Root;
 
+pub mod directional;
 pub mod point;
+mod shared;
+pub mod spot;
+#[cfg(test)]
+pub(crate) mod testing;
 
 /// What one light sends to one point, before anything blocks it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,4 +88,6 @@ macro_rules! registry {
 
 registry! {
     Point(point::Point),
+    Directional(directional::Directional),
+    Spot(spot::Spot),
 }

@@ -1,70 +1,40 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! A light at one point, shining everywhere.
+//! A lamp: a point or a ball that shines everywhere.
 
 use dioptric_math::{DVec3, Spectrum};
-use dioptric_scene::{Args, Category, Default, Diagnostic, Param, Schema, Type};
+use dioptric_scene::{Args, Category, Diagnostic, Param, Schema, Type};
 
+use super::shared::{Ball, COLOR, FALLOFF, INTENSITY, RADIUS, SAMPLES, samples, strength};
 use super::{Light, LightSample};
 use crate::build::Builder;
 use crate::setting::root::Root;
 
-/// A light without a size.
+/// A lamp.
 #[derive(Clone, Debug)]
 pub struct Point {
-    position: DVec3,
-    color: Spectrum,
-    falloff: Falloff,
-}
-
-/// How a light weakens with distance.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Falloff {
-    /// Not at all.
-    None,
-    /// By the distance squared, in the root's units: 1 at distance `1 / per_unit`.
-    Square {
-        /// Root units per unit of ray space.
-        per_unit: f64,
-    },
-}
-
-impl Falloff {
-    /// The words of the `falloff` parameter.
-    pub const NAMES: &'static [&'static str] = &["none", "square"];
-
-    /// The falloff with this name.
-    #[must_use]
-    pub fn from_name(name: &str, root: &Root) -> Self {
-        if name == "square" { Self::Square { per_unit: 1.0 / root.scale() } } else { Self::None }
-    }
-
-    /// The factor at a distance in the space of rays.
-    #[must_use]
-    pub fn at(self, distance: f64) -> f64 {
-        match self {
-            Self::None => 1.0,
-            Self::Square { per_unit } => 1.0 / ((distance * per_unit) * (distance * per_unit)),
-        }
-    }
+    ball: Ball,
+    strength: Spectrum,
+    samples: u32,
 }
 
 static SCHEMA: Schema = Schema {
     kind: "light",
     category: Category::Light,
-    summary: "a point that shines in all directions",
-    doc: "Casts hard shadows. Without falloff it is as bright far away as near, as in Whitted's pictures;\n\
-          `falloff = \"square\"` weakens it by the square of the distance, as nature does: `intensity` is then\n\
-          what arrives at distance 1.",
+    summary: "a lamp that shines in all directions: a point, or a ball with soft shadows",
+    doc: "With the intensity 1 a white matte surface that faces it is white. Without falloff it is as bright far\n\
+          away as near, as in Whitted's pictures; `falloff = \"square\"` weakens it by the square of the distance,\n\
+          as nature does.\n\n\
+          A `radius` above 0 makes it a ball, whose shadows have soft edges. The ball itself is not seen, casts\n\
+          no shadow, and gives a surface that faces it exactly what the point would. `samples` directions are\n\
+          taken, uniform over those in which the ball is seen (Shirley, Wang and Zimmerman, \"Monte Carlo\n\
+          Techniques for Direct Lighting Calculations\", ACM TOG 15(1), 1996).",
     params: &[
-        Param::required("position", Type::Vec3, "Where it is."),
-        Param::new("intensity", Type::NON_NEGATIVE, Default::Number(1.0), "Multiplies the colour."),
-        Param::new("color", Type::Color, Default::Number(1.0), "Its colour."),
-        Param::new(
-            "falloff",
-            Type::Choice(Falloff::NAMES),
-            Default::Text("none"),
-            "How it weakens with distance.",
-        ),
+        Param::required("position", Type::Vec3, "Where it is: its middle."),
+        INTENSITY,
+        COLOR,
+        FALLOFF,
+        RADIUS,
+        SAMPLES,
     ],
     example: "",
 };
@@ -74,16 +44,71 @@ impl Light for Point {
 
     fn from_args(args: &Args, builder: &mut Builder, root: &Root) -> Result<Self, Diagnostic> {
         Ok(Self {
-            position: root.point(args.vec3("position")?.into()),
-            color: builder.constant_color(args, "color")? * args.number("intensity")?,
-            falloff: Falloff::from_name(&args.text("falloff")?, root),
+            ball: Ball::from_args(args, root)?,
+            strength: strength(args, builder)?,
+            samples: samples(args)?,
         })
     }
 
-    fn sample(&self, point: DVec3, _u: [f64; 2]) -> Option<LightSample> {
-        let way = self.position - point;
-        let distance = way.length();
-        let direction = dioptric_math::normalize(way)?;
-        Some(LightSample { direction, distance, arriving: self.color * self.falloff.at(distance) })
+    fn sample(&self, point: DVec3, u: [f64; 2]) -> Option<LightSample> {
+        let s = self.ball.sample(point, u)?;
+        Some(LightSample {
+            direction: s.direction,
+            distance: s.distance,
+            arriving: self.strength * s.weight,
+        })
+    }
+
+    fn samples(&self) -> u32 {
+        if self.ball.radius > 0.0 { self.samples } else { 1 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::light::testing::build;
+    use crate::setting::testing::{plain_root, scaled_root};
+    use dioptric_scene::Value;
+
+    const POSITION: (&str, Value) = ("position", Value::Vec3([0.0, 3.0, 4.0]));
+
+    #[test]
+    fn falloff_is_measured_in_the_units_of_the_file() {
+        for (word, expected) in [("none", 0.5), ("square", 0.5 / 25.0)] {
+            for scale in [1.0, 1e-6, 1e6] {
+                let light = build::<Point>(
+                    &[
+                        POSITION,
+                        ("intensity", Value::Number(0.5)),
+                        ("falloff", Value::Text(word.into())),
+                    ],
+                    &scaled_root(scale),
+                )
+                .unwrap();
+                let s = light.sample(DVec3::ZERO, [0.5; 2]).unwrap();
+                assert!((s.arriving.x / expected - 1.0).abs() < 1e-12, "{word} {scale}");
+                assert!((s.distance / (5.0 * scale) - 1.0).abs() < 1e-12);
+                assert!((s.direction - DVec3::new(0.0, 0.6, 0.8)).length() < 1e-15);
+            }
+        }
+    }
+
+    #[test]
+    fn only_a_ball_takes_several_samples() {
+        let root = plain_root();
+        assert_eq!(build::<Point>(&[POSITION], &root).unwrap().samples(), 1);
+        let ball = build::<Point>(
+            &[POSITION, ("radius", Value::Number(0.5)), ("samples", Value::Number(9.0))],
+            &root,
+        );
+        assert_eq!(ball.unwrap().samples(), 9);
+        assert!(build::<Point>(&[POSITION, ("samples", Value::Number(0.0))], &root).is_err());
+    }
+
+    #[test]
+    fn nothing_arrives_at_the_point_itself() {
+        let light = build::<Point>(&[POSITION], &plain_root()).unwrap();
+        assert_eq!(light.sample(DVec3::new(0.0, 3.0, 4.0), [0.5; 2]), None);
     }
 }

@@ -8,7 +8,14 @@ use crate::build::Builder;
 use crate::input::NumberInput;
 use crate::pattern::PatternPoint;
 
+pub mod clear;
+pub mod glass;
 pub mod matte;
+pub mod mirror;
+pub mod phong;
+mod shared;
+#[cfg(test)]
+pub(crate) mod testing;
 
 /// The shape of a highlight.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,7 +42,8 @@ pub struct Highlight {
 pub enum Optics {
     /// Nothing: only the own colour.
     Opaque,
-    /// `own + reflect * mirrored`; the mirrored ray spread by `roughness` (0 is sharp).
+    /// `own + w * mirrored`, the weight w going from `reflect` to `grazing` by Schlick's curve; the
+    /// mirrored ray spread by `roughness` (0 is sharp).
     Mirror {
         /// Weight of the mirrored ray at normal incidence.
         reflect: Spectrum,
@@ -43,6 +51,9 @@ pub enum Optics {
         grazing: Spectrum,
         /// Spread: the GGX alpha; 0 is a perfect mirror.
         roughness: f64,
+        /// Whether the mirror lies over the own colour and takes from it what it reflects:
+        /// `(1 - w) * own + w * mirrored`, as lacquer does. Whitted just adds it.
+        covers: bool,
     },
     /// The report's transparency: `share * own + (1 - share) * seen`, by fixed shares, without
     /// Fresnel. The ray is bent on entering and leaving the object; inside, total internal
@@ -54,7 +65,7 @@ pub enum Optics {
         ior: f64,
         /// Colour that multiplies what is seen; white for none.
         tint: Spectrum,
-        /// Absorbed per unit of length inside, per lane (Beer and Lambert).
+        /// Absorbed per unit of the file's length inside, per lane (Beer and Lambert).
         absorption: Spectrum,
     },
     /// A dielectric: reflected and refracted rays weighted by Fresnel's equations, with the media
@@ -66,7 +77,7 @@ pub enum Optics {
         reflect: Spectrum,
         /// Multiplies the refracted ray.
         transmit: Spectrum,
-        /// Absorbed per unit of length inside, per lane.
+        /// Absorbed per unit of the file's length inside, per lane.
         absorption: Spectrum,
         /// Spread of both rays: the GGX alpha.
         roughness: f64,
@@ -88,8 +99,9 @@ pub struct Finish {
     pub emission: Spectrum,
     /// What is seen in or through it.
     pub optics: Optics,
-    /// How much of a shadow it casts where the scene's shadows are tinted: the light that passes,
-    /// 0 for opaque.
+    /// How much of a shadow it casts where the scene's shadows are tinted: the light that passes, 0
+    /// for opaque. Counted once for each passage: where a shadow ray enters a solid, or where it
+    /// crosses an open surface.
     pub shadow_pass: Spectrum,
 }
 
@@ -180,4 +192,8 @@ macro_rules! registry {
 
 registry! {
     Matte(matte::Matte),
+    Phong(phong::Phong),
+    Clear(clear::Clear),
+    Glass(glass::Glass),
+    Mirror(mirror::Mirror),
 }

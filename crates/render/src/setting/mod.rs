@@ -3,10 +3,15 @@
 
 use dioptric_scene::Schema;
 
+pub mod ambient;
+pub mod background;
 pub mod develop;
 pub mod overrides;
 pub mod render;
 pub mod root;
+#[cfg(test)]
+pub(crate) mod testing;
 
 /// The schemas of all settings.
-pub static SCHEMAS: &[&Schema] = &[&develop::SCHEMA, &render::SCHEMA, &root::SCHEMA];
+pub static SCHEMAS: &[&Schema] =
+    &[&ambient::SCHEMA, &background::SCHEMA, &develop::SCHEMA, &render::SCHEMA, &root::SCHEMA];
