@@ -10,9 +10,12 @@ use crate::pattern::PatternPoint;
 
 pub mod clear;
 pub mod glass;
+pub mod glow;
 pub mod matte;
+pub mod metal;
 pub mod mirror;
 pub mod phong;
+pub mod plastic;
 mod shared;
 #[cfg(test)]
 pub(crate) mod testing;
@@ -196,4 +199,7 @@ registry! {
     Clear(clear::Clear),
     Glass(glass::Glass),
     Mirror(mirror::Mirror),
+    Metal(metal::Metal),
+    Plastic(plastic::Plastic),
+    Glow(glow::Glow),
 }
