@@ -203,13 +203,18 @@ impl Frustum {
         }
         let side = if part == SIDE {
             // With the constant term at its exact value 0 the other root is -2 b / a. Where a <= 0 that
-            // root is behind, or on the mirror image: the ray stays inside until it meets a cap.
+            // root is behind, or on the mirror image: the ray stays inside until it meets a cap. Both
+            // are written with the slope against the normal, so that a ray along the side finds the
+            // apex: then they are small, but their quotient is not.
             let (p, e) = (offset - self.axis * y, ray.direction - self.axis * dy);
             let rho = p.length();
+            let radial = normalize(p).unwrap_or_default();
+            let outward = e.dot(radial);
+            let across2 = (e - radial * outward).length_squared();
             let ds = -self.sin * dy;
-            let a = self.cos * self.cos * e.length_squared() - ds * ds;
-            let outward = if rho > 0.0 { p.dot(e) / rho } else { 0.0 };
-            let b = self.cos * rho * (self.cos * outward - ds);
+            let slope = self.cos * outward - ds;
+            let a = self.cos * self.cos * across2 + slope * (self.cos * outward + ds);
+            let b = self.cos * rho * slope;
             if a > 0.0 { -2.0 * b / a } else { f64::INFINITY }
         } else {
             // No line at all means that it starts on the rim and leads away from the solid.
@@ -246,6 +251,8 @@ impl Frustum {
         let at_top = normal == self.axis;
         let radius = if at_top { self.top_radius } else { self.radius };
         let center = if at_top { self.base + self.axis * self.height } else { self.base };
+        let rho = p.length();
+        let p = if rho > radius { p * (radius / rho) } else { p };
         let diameter = 2.0 * radius;
         let uv = if diameter > 0.0 {
             DVec2::new(0.5 + p.dot(u) / diameter, 0.5 + p.dot(v) / diameter)
@@ -264,7 +271,9 @@ impl Frustum {
     }
 
     fn side(&self, p: DVec3, y: f64, x: DVec3, z: DVec3) -> LocalSurface {
-        let outward = normalize(p).unwrap_or(z);
+        // Next to the axis `p` is mostly rounding and need not be at right angles to it.
+        let outward = normalize(p).map(|o| o - self.axis * o.dot(self.axis));
+        let outward = outward.and_then(normalize).unwrap_or(z);
         // To the nearest point of the side's line, and not beyond its ends.
         let above = self.cos * p.length() - self.s(y);
         let y = (y - self.sin * above).clamp(0.0, self.height);

@@ -18,8 +18,12 @@ pub mod disc;
 mod frame;
 mod frustum;
 pub mod plane;
+pub mod polygon;
 pub mod rectangle;
+mod sheared;
 pub mod sphere;
+pub mod tetrahedron;
+pub mod triangle;
 
 macro_rules! registry {
     ($($variant:ident($ty:ty),)*) => {
@@ -98,6 +102,9 @@ registry! {
     Disc(Box<disc::Disc>),
     Cylinder(Box<cylinder::Cylinder>),
     Cone(Box<cone::Cone>),
+    Triangle(Box<triangle::Triangle>),
+    Polygon(Box<polygon::Polygon>),
+    Tetrahedron(Box<tetrahedron::Tetrahedron>),
     Union(Box<csg::Union>),
     Intersection(Box<csg::Intersection>),
     Difference(Box<csg::Difference>),

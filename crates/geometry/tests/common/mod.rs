@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! One specimen or more of every registered shape, in nasty proportions, each with a slow and plain
+//! description of the same surface to compare with.
+//!
+//! All numbers are short binary fractions and all scales powers of two, so that scaled and moved
+//! specimens are exactly the same shape: what the batteries measure is the shapes' own rounding.
+
+#![allow(dead_code)] // Every test file uses its own part of this one.
+
+pub mod specimens;
+
+use dioptric_geometry::shapes::SCHEMAS;
+use dioptric_geometry::{AnyShape, LocalRay};
+use dioptric_math::DVec3;
+use dioptric_math::random::Random;
+use dioptric_scene::args::make_node;
+use dioptric_scene::{Args, Description, Diagnostic, Value};
+
+/// About 1e6, and about 1e-6 as its reciprocal.
+pub const MILLION: f64 = 1_048_576.0;
+
+/// Where a specimen stands: `p` of its own space is `(p + offset) scale` here.
+#[derive(Clone, Copy, Debug)]
+pub struct Place {
+    pub scale: f64,
+    pub offset: DVec3,
+}
+
+impl Place {
+    pub fn point(&self, p: DVec3) -> DVec3 {
+        (p + self.offset) * self.scale
+    }
+
+    pub fn back(&self, p: DVec3) -> DVec3 {
+        p / self.scale - self.offset
+    }
+}
+
+/// A shape and what is known about it from elsewhere.
+pub struct Specimen {
+    pub name: &'static str,
+    pub place: Place,
+    pub shape: AnyShape,
+    /// The largest and the smallest thing about it, in its own space.
+    pub size: f64,
+    pub feature: f64,
+    /// A point inside.
+    pub inside: Option<DVec3>,
+    /// Points on edges, rims and seams, and others that are hard to hit by chance, in its own space.
+    pub rims: Vec<DVec3>,
+    /// Signed distance (above the surface: positive) in its own space, exact near the surface.
+    pub plain: Box<dyn Fn(DVec3) -> f64>,
+}
+
+impl Specimen {
+    /// Signed distance from the surface.
+    pub fn distance(&self, p: DVec3) -> f64 {
+        (self.plain)(self.place.back(p)) * self.place.scale
+    }
+
+    /// Slope of the distance, over steps of `h`: the normal, and shorter or longer at edges.
+    pub fn gradient(&self, p: DVec3, h: f64) -> DVec3 {
+        let slope = |d: DVec3| (self.distance(p + d * h) - self.distance(p - d * h)) / (2.0 * h);
+        DVec3::new(slope(DVec3::X), slope(DVec3::Y), slope(DVec3::Z))
+    }
+
+    /// Whether there is an edge within about `h`.
+    pub fn at_edge(&self, p: DVec3, h: f64) -> bool {
+        (self.gradient(p, h).length() - 1.0).abs() > 1e-3
+    }
+
+    /// What the plain description itself gets wrong.
+    pub fn slack(&self) -> f64 {
+        f64::EPSILON * 8.0 * self.size * self.place.scale
+    }
+
+    /// Rounding of coordinates near the shape.
+    pub fn rounding(&self) -> f64 {
+        f64::EPSILON * (self.place.offset.length() + self.size) * self.place.scale
+    }
+
+    /// A point somewhere around the shape, near it in all directions.
+    pub fn target(&self, r: &mut Random) -> DVec3 {
+        if !self.rims.is_empty() && r.bits() % 4 == 0 {
+            return self.place.point(self.rims[(r.bits() % self.rims.len() as u64) as usize]);
+        }
+        let b = self.shape.bounds();
+        let half = DVec3::splat(self.size);
+        let (low, high) = (b.min.max(self.place.point(-half)), b.max.min(self.place.point(half)));
+        low + (high - low) * DVec3::new(r.unit(), r.unit(), r.unit())
+    }
+
+    /// A ray from outside towards the shape; its direction is of any length.
+    pub fn ray(&self, r: &mut Random) -> LocalRay {
+        let target = self.target(r);
+        let reach = self.size * self.place.scale * r.uniform(1.0, 4.0);
+        let origin = target + direction(r) * reach;
+        let length = r.uniform(0.5, 2.0);
+        ray(origin, (target - origin) * (length / reach))
+    }
+}
+
+/// A ray without error that leaves nothing.
+pub fn ray(origin: DVec3, direction: DVec3) -> LocalRay {
+    LocalRay { origin, direction, error: 0.0, t_max: f64::INFINITY, leaving: None }
+}
+
+/// A random unit vector; one in eight lies along an axis or in a coordinate plane.
+pub fn direction(r: &mut Random) -> DVec3 {
+    loop {
+        let mut v = DVec3::new(r.uniform(-1.0, 1.0), r.uniform(-1.0, 1.0), r.uniform(-1.0, 1.0));
+        let l2 = v.length_squared();
+        if l2 > 1.0 || l2 < 0.01 {
+            continue;
+        }
+        let choice = r.bits() % 24;
+        if choice < 3 {
+            v[choice as usize] = 0.0;
+            if choice == 0 {
+                v[1] = 0.0;
+            }
+        }
+        if v != DVec3::ZERO {
+            return v / v.length();
+        }
+    }
+}
+
+/// Builds a shape as a scene file would.
+pub fn build(kind: &str, args: &[(&str, Value)]) -> Result<AnyShape, Diagnostic> {
+    let schema = SCHEMAS.iter().find(|s| s.kind == kind).unwrap_or_else(|| panic!("no {kind}"));
+    let mut description = Description::default();
+    let node = make_node(schema, args).unwrap_or_else(|| panic!("{kind} takes other arguments"));
+    let id = description.push(node);
+    AnyShape::from_args(&Args::new(&description, id)).map(|s| s.unwrap())
+}
+
+/// Places of three sizes, at the origin and far away from it.
+pub fn places(far: usize, seed: u64) -> Vec<Place> {
+    let mut r = Random::new(seed);
+    let mut places = Vec::new();
+    for scale in [1.0 / MILLION, 1.0, MILLION] {
+        places.push(Place { scale, offset: DVec3::ZERO });
+        for _ in 0..far {
+            places.push(Place { scale, offset: (direction(&mut r) * 1e5).round() });
+        }
+    }
+    places
+}

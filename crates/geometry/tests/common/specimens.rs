@@ -1,0 +1,447 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The list of specimens.
+
+use std::f64::consts::PI;
+
+use dioptric_math::{DVec3, cos, sin};
+use dioptric_scene::Value;
+
+use super::{MILLION, Place, Specimen, build};
+
+const TINY: f64 = 1.0 / MILLION;
+
+/// Every specimen at one place.
+pub fn specimens(place: Place) -> Vec<Specimen> {
+    let at = At(place);
+    let mut all = Vec::new();
+    all.extend(spheres(at));
+    all.extend(planes(at));
+    all.extend(boxes(at));
+    all.extend(rectangles(at));
+    all.extend(discs(at));
+    all.extend(frusta(at));
+    all.extend(triangles(at));
+    all.extend(polygons(at));
+    all.extend(tetrahedra(at));
+    all
+}
+
+/// Arguments for a shape at a place.
+#[derive(Clone, Copy)]
+struct At(Place);
+
+impl At {
+    fn point(self, p: DVec3) -> Value {
+        Value::Vec3(self.0.point(p).into())
+    }
+
+    fn vector(self, v: DVec3) -> Value {
+        Value::Vec3((v * self.0.scale).into())
+    }
+
+    fn length(self, x: f64) -> Value {
+        Value::Number(x * self.0.scale)
+    }
+
+    fn points(self, points: &[DVec3]) -> Value {
+        Value::List(points.iter().map(|&p| self.point(p)).collect())
+    }
+
+    fn make(
+        self,
+        (name, kind): (&'static str, &str),
+        args: &[(&str, Value)],
+        (size, feature): (f64, f64),
+        inside: Option<DVec3>,
+        rims: Vec<DVec3>,
+        plain: impl Fn(DVec3) -> f64 + 'static,
+    ) -> Specimen {
+        let shape = build(kind, args).unwrap_or_else(|e| panic!("{name}: {}", e.message));
+        let plain = Box::new(plain);
+        Specimen { name, place: self.0, shape, size, feature, inside, rims, plain }
+    }
+}
+
+fn direction(v: DVec3) -> Value {
+    Value::Vec3(v.into())
+}
+
+fn v3(x: f64, y: f64, z: f64) -> DVec3 {
+    DVec3::new(x, y, z)
+}
+
+fn spheres(at: At) -> Vec<Specimen> {
+    let c = v3(0.25, -0.5, 0.125);
+    vec![
+        at.make(
+            ("sphere", "sphere"),
+            &[("center", at.point(c)), ("radius", at.length(0.75))],
+            (1.5, 0.75),
+            Some(v3(0.5, -0.25, 0.0)),
+            (0..=32)
+                .map(|i| {
+                    c + v3(0.0, cos(PI * f64::from(i) / 32.0), -sin(PI * f64::from(i) / 32.0))
+                        * 0.75
+                })
+                .collect(),
+            move |p| (p - c).length() - 0.75,
+        ),
+    ]
+}
+
+fn planes(at: At) -> Vec<Specimen> {
+    let q = v3(0.25, 0.5, -0.125);
+    [("plane y", DVec3::Y), ("plane -x", -DVec3::X), ("plane oblique", v3(3.0, -2.0, 0.5))]
+        .into_iter()
+        .map(|(name, n)| {
+            at.make(
+                (name, "plane"),
+                &[("point", at.point(q)), ("normal", direction(n))],
+                (4.0, 1.0),
+                None,
+                vec![],
+                move |p| (p - q).dot(n) / n.length(),
+            )
+        })
+        .collect()
+}
+
+fn boxes(at: At) -> Vec<Specimen> {
+    [
+        ("box", v3(-1.0, 0.0, -0.5), v3(1.0, 2.0, 0.25)),
+        ("box, thin", v3(-1.0, -TINY, -2.0), v3(1.0, 0.0, 2.0)),
+        ("box, long", v3(0.0, 0.0, 0.0), v3(1.0, 0.5, MILLION)),
+    ]
+    .into_iter()
+    .map(|(name, min, max)| {
+        let (c, h) = ((min + max) * 0.5, (max - min) * 0.5);
+        let mut rims = Vec::new();
+        for i in 0..8 {
+            let sign = |k: u32| if i >> k & 1 == 0 { -1.0 } else { 1.0 };
+            rims.push(c + h * v3(sign(0), sign(1), sign(2)));
+            for x in [-0.75, 0.0, 0.625] {
+                rims.push(c + h * v3(x, sign(1), sign(2)));
+                rims.push(c + h * v3(sign(0), x, sign(2)));
+                rims.push(c + h * v3(sign(0), sign(1), x));
+            }
+        }
+        at.make(
+            (name, "box"),
+            &[("min", at.point(min)), ("max", at.point(max))],
+            ((max - min).length(), (max - min).min_element()),
+            Some(c + h * 0.25),
+            rims,
+            move |p| (p - max).max(min - p).max_element(),
+        )
+    })
+    .collect()
+}
+
+/// A flat thing: height over its plane where `outside <= 0`, else how far it is away.
+fn flat(height: f64, outside: f64) -> f64 {
+    if outside > 1e-9 { height.abs().max(outside) } else { height }
+}
+
+fn rectangles(at: At) -> Vec<Specimen> {
+    [
+        ("rectangle", v3(2.0, 0.0, 0.0), v3(0.0, 1.0, 0.0)),
+        ("rectangle, skewed", v3(1.0, 0.5, 0.0), v3(-0.25, 0.5, 1.0)),
+        ("rectangle, long", v3(0.0, MILLION, 0.0), v3(1.0, 0.0, 0.0)),
+    ]
+    .into_iter()
+    .map(|(name, u, v)| {
+        let corner = v3(-0.5, 0.25, 0.0);
+        let n = u.cross(v) / u.cross(v).length();
+        let (du, dv) = (v.cross(n), n.cross(u));
+        at.make(
+            (name, "rectangle"),
+            &[("corner", at.point(corner)), ("edge_u", at.vector(u)), ("edge_v", at.vector(v))],
+            (u.length().max(v.length()), u.length().min(v.length())),
+            None,
+            vec![],
+            move |p| {
+                let (a, b) = ((p - corner).dot(du) / u.dot(du), (p - corner).dot(dv) / v.dot(dv));
+                let outside = [a, b].map(|x| (-x).max(x - 1.0));
+                flat((p - corner).dot(n), (outside[0] * u.length()).max(outside[1] * v.length()))
+            },
+        )
+    })
+    .collect()
+}
+
+fn discs(at: At) -> Vec<Specimen> {
+    [
+        ("disc", DVec3::Y, 0.0),
+        ("ring", v3(1.0, -2.0, 0.5), 0.5),
+        ("ring, narrow", -DVec3::Z, 0.75 - TINY),
+    ]
+    .into_iter()
+    .map(|(name, n, inner)| {
+        let c = v3(0.5, 0.25, -0.125);
+        let unit = n / n.length();
+        at.make(
+            (name, "disc"),
+            &[
+                ("center", at.point(c)),
+                ("normal", direction(n)),
+                ("radius", at.length(0.75)),
+                ("inner_radius", at.length(inner)),
+            ],
+            (1.5, 0.75 - inner),
+            None,
+            {
+                let out = unit.any_orthonormal_vector() * (0.5 * (0.75 + inner));
+                let angles = (0..16).map(|i| 2.0 * PI * f64::from(i) / 16.0);
+                angles.map(|a| c + out * cos(a) + unit.cross(out) * sin(a)).collect()
+            },
+            move |p| {
+                let height = (p - c).dot(unit);
+                let rho = (p - c - unit * height).length();
+                flat(height, (rho - 0.75).max(inner - rho))
+            },
+        )
+    })
+    .collect()
+}
+
+fn frusta(at: At) -> Vec<Specimen> {
+    // name, base, way to the top, radius, radius at the top, open
+    let round = [
+        ("cylinder", v3(0.25, -0.5, 0.125), v3(0.0, 2.0, 0.0), 0.75, 0.75, false),
+        ("cylinder, oblique", v3(0.25, -0.5, 0.125), v3(1.0, 0.5, -0.75), 0.25, 0.25, false),
+        ("cylinder, coin", v3(0.0, 0.0, 0.0), v3(0.0, TINY, 0.0), 1.0, 1.0, false),
+        ("cylinder, wire", v3(0.0, 0.0, 0.0), v3(MILLION, 0.0, 0.0), 1.0, 1.0, false),
+        (
+            "cylinder, oblique wire",
+            v3(0.5, 0.0, 0.0),
+            v3(0.5, 0.75, 0.5) * MILLION,
+            1.0,
+            1.0,
+            false,
+        ),
+        ("cylinder, open", v3(0.25, -0.5, 0.125), v3(0.0, -1.0, 0.5), 0.75, 0.75, true),
+        ("cone", v3(0.25, -0.5, 0.125), v3(0.0, 2.0, 0.0), 0.75, 0.0, false),
+        ("cone, oblique", v3(0.25, -0.5, 0.125), v3(1.0, 0.5, -0.75), 0.5, 0.0, false),
+        ("cone, flat", v3(0.0, 0.0, 0.0), v3(0.0, TINY, 0.0), 1.0, 0.0, false),
+        ("cone, needle", v3(0.0, 0.0, 0.0), v3(0.0, 0.0, MILLION), 1.0, 0.0, false),
+        ("cone, upside down", v3(0.25, -0.5, 0.125), v3(0.0, 1.0, 0.0), 0.0, 0.75, false),
+        ("cone, open", v3(0.25, -0.5, 0.125), v3(0.0, 1.5, 0.0), 0.75, 0.0, true),
+        ("frustum", v3(0.25, -0.5, 0.125), v3(0.0, 1.5, 0.0), 1.0, 0.5, false),
+        ("frustum, widening", v3(0.25, -0.5, 0.125), v3(0.5, 1.0, 0.0), 0.25, 0.75, false),
+        (
+            "frustum, almost a cylinder",
+            v3(0.0, 0.0, 0.0),
+            v3(0.0, 1.0, 0.0),
+            0.5,
+            0.5 + TINY,
+            false,
+        ),
+        ("frustum, open", v3(0.25, -0.5, 0.125), v3(0.5, 1.0, 0.0), 0.25, 0.75, true),
+    ];
+    round
+        .into_iter()
+        .map(|(name, base, way, r0, r1, open)| {
+            let height = way.length();
+            let axis = way / height;
+            let slant = (height * height + (r0 - r1) * (r0 - r1)).sqrt();
+            let (c, s) = (height / slant, (r0 - r1) / slant);
+            let size = height.max(2.0 * r0.max(r1));
+            let across = axis.any_orthonormal_vector();
+            let along = axis.cross(across);
+            let mut rims = Vec::new();
+            for i in 0..32 {
+                let a = 2.0 * PI * f64::from(i) / 32.0;
+                let out = across * cos(a) + along * sin(a);
+                rims.extend([base + out * r0, base + way + out * r1]);
+                rims.push(base + way * 0.375 + out * (r0 + (r1 - r0) * 0.375));
+            }
+            let mut args = vec![
+                ("base", at.point(base)),
+                ("radius", at.length(r0)),
+                ("open", Value::Bool(open)),
+            ];
+            let kind = name.split([' ', ',']).next().unwrap();
+            let kind = if kind == "frustum" { "cone" } else { kind };
+            if kind == "cone" {
+                args.push(("top_radius", at.length(r1)));
+            }
+            if way.x == 0.0 && way.z == 0.0 && way.y > 0.0 {
+                args.push(("height", at.length(way.y)));
+            } else {
+                args.push(("top", at.point(base + way)));
+            }
+            at.make(
+                (name, kind),
+                &args,
+                (
+                    size,
+                    height.min(r0.max(r1)).min(if r0.min(r1) > 0.0 { r0.min(r1) } else { size }),
+                ),
+                (!open).then_some(base + way * 0.5 + across * (0.5 * (r0 + r1) * 0.125)),
+                rims,
+                move |p| {
+                    let y = (p - base).dot(axis);
+                    let side = c * ((p - base - axis * y).length() - r0) + s * y;
+                    let caps = (-y).max(y - height);
+                    if open { flat(side, caps) } else { side.max(caps) }
+                },
+            )
+        })
+        .collect()
+}
+
+/// Unit normal of a triangle.
+fn normal(a: DVec3, b: DVec3, c: DVec3) -> DVec3 {
+    let n = (b - a).cross(c - a);
+    n / n.length()
+}
+
+/// How far a point is outside of a triangle, measured in its plane.
+fn outside_triangle(corners: [DVec3; 3], n: DVec3, p: DVec3) -> f64 {
+    let edge = |i: usize| {
+        let (a, b) = (corners[i], corners[(i + 1) % 3]);
+        -n.cross(b - a).dot(p - a) / (b - a).length()
+    };
+    edge(0).max(edge(1)).max(edge(2))
+}
+
+fn triangles(at: At) -> Vec<Specimen> {
+    let skew = [v3(-0.5, 0.25, 0.0), v3(1.0, 0.0, 0.5), v3(0.25, 1.5, -0.25)];
+    let needle = [v3(0.0, 0.0, 0.0), v3(MILLION, 0.0, 0.0), v3(0.0, 0.0, 1.0)];
+    let up = |c: [DVec3; 3]| normal(c[0], c[1], c[2]);
+    let bent = Value::List(
+        [v3(0.5, 0.25, 1.0), v3(1.0, 0.0, 0.5), v3(0.0, 1.0, 0.5)].map(direction).into(),
+    );
+    let uvs = Value::List([[0.0, 0.25], [0.75, 0.0], [0.5, 1.0]].map(Value::Vec2).into());
+    [
+        ("triangle", skew, vec![], 1.0),
+        ("triangle, smooth", skew, vec![("normals", bent), ("uvs", uvs)], 1.0),
+        ("triangle, needle", needle, vec![], 1.0),
+    ]
+    .into_iter()
+    .map(|(name, c, mut args, feature)| {
+        args.extend([("a", at.point(c[0])), ("b", at.point(c[1])), ("c", at.point(c[2]))]);
+        let n = up(c);
+        let size = (c[1] - c[0]).length().max(1.5);
+        at.make((name, "triangle"), &args, (size, feature), None, vec![], move |p| {
+            flat((p - c[0]).dot(n), outside_triangle(c, n, p))
+        })
+    })
+    .collect()
+}
+
+fn polygons(at: At) -> Vec<Specimen> {
+    let square = vec![v3(-1.0, 0.0, 0.5), v3(1.0, 0.0, 0.5), v3(1.0, 1.0, 0.5), v3(-1.0, 1.0, 0.5)];
+    // Concave, in a plane that leans; (x, y) of the drawing is base + x u + y v.
+    let drawn = |xy: &[(f64, f64)]| -> Vec<DVec3> {
+        let (u, v) = (v3(1.0, 0.0, 0.5), v3(0.0, 1.0, 0.25));
+        xy.iter().map(|&(x, y)| v3(0.25, -0.5, 0.0) + u * x + v * y).collect()
+    };
+    let arrow = drawn(&[(-1.0, 0.0), (1.0, 0.0), (1.0, 2.0), (0.0, 0.5), (-1.0, 2.0)]);
+    let hole = drawn(&[(-0.5, 0.125), (0.0, 0.25), (0.5, 0.125)]);
+    let star: Vec<DVec3> = (0..144)
+        .map(|i| {
+            let a = 2.0 * PI * f64::from(i) / 144.0;
+            let r = if i % 2 == 0 { 1.0 } else { 0.75 };
+            (v3(cos(a) * r, 0.0, sin(a) * r) * 1024.0).round() / 1024.0
+        })
+        .collect();
+    [
+        ("polygon, square", square, vec![]),
+        ("polygon, concave with a hole", arrow, vec![hole]),
+        ("polygon, gear", star, vec![]),
+    ]
+    .into_iter()
+    .map(|(name, outline, holes)| {
+        let n = normal(outline[0], outline[1], outline[2]);
+        let holes_value = Value::List(holes.iter().map(|h| at.points(h)).collect());
+        // Twice the area by signed triangles tells which side is up.
+        let area: f64 = (1..outline.len() - 1)
+            .map(|i| (outline[i] - outline[0]).cross(outline[i + 1] - outline[0]).dot(n))
+            .sum();
+        let n = n * area.signum();
+        let loops: Vec<Vec<DVec3>> = std::iter::once(outline.clone()).chain(holes).collect();
+        let middle = outline[0];
+        at.make(
+            (name, "polygon"),
+            &[("points", at.points(&outline)), ("holes", holes_value)],
+            (2.5, 0.0625),
+            None,
+            vec![],
+            move |p| {
+                let height = (p - middle).dot(n);
+                let q = p - n * height;
+                flat(height, if winds_around(&loops, n, q) { -1.0 } else { 1.0 })
+            },
+        )
+    })
+    .collect()
+}
+
+/// Whether a point of the plane is inside an odd number of loops: by the angles that the edges subtend.
+fn winds_around(loops: &[Vec<DVec3>], n: DVec3, q: DVec3) -> bool {
+    let turns = loops.iter().map(|l| {
+        let angle: f64 = (0..l.len())
+            .map(|i| {
+                let (a, b) = (l[i] - q, l[(i + 1) % l.len()] - q);
+                dioptric_math::atan2(a.cross(b).dot(n), a.dot(b))
+            })
+            .sum();
+        i64::from(angle.abs() > PI)
+    });
+    turns.sum::<i64>() % 2 == 1
+}
+
+fn tetrahedra(at: At) -> Vec<Specimen> {
+    [
+        (
+            "tetrahedron",
+            [v3(-1.0, 0.0, 0.5), v3(1.0, 0.0, 0.5), v3(0.0, 0.0, -1.0), v3(0.0, 1.5, 0.0)],
+            1.0,
+        ),
+        (
+            "tetrahedron, turned",
+            [v3(1.0, 0.0, 0.5), v3(-1.0, 0.0, 0.5), v3(0.0, 0.0, -1.0), v3(0.25, 1.5, 0.0)],
+            1.0,
+        ),
+        (
+            "tetrahedron, thin",
+            [v3(0.0, 0.0, 0.0), v3(1.0, 0.0, 0.0), v3(0.0, 0.0, -1.0), v3(0.25, TINY, -0.25)],
+            TINY,
+        ),
+        (
+            "tetrahedron, needle",
+            [v3(0.0, 0.0, 0.0), v3(1.0, 0.0, 0.0), v3(0.0, 0.0, -1.0), v3(0.25, MILLION, -0.25)],
+            1.0,
+        ),
+    ]
+    .into_iter()
+    .map(|(name, c, feature)| {
+        let [p, q, r, s] = c;
+        let faces = [[q, r, s], [p, r, s], [p, q, s], [p, q, r]];
+        let size = (s - p).length().max(2.0);
+        let mut rims = c.to_vec();
+        for i in 0..4 {
+            for k in 0..i {
+                rims.extend([0.25, 0.5, 0.875].map(|x| c[i] + (c[k] - c[i]) * x));
+            }
+        }
+        let args = [("a", at.point(p)), ("b", at.point(q)), ("c", at.point(r)), ("d", at.point(s))];
+        at.make(
+            (name, "tetrahedron"),
+            &args,
+            (size, feature),
+            Some((p + q + r + s) * 0.25),
+            rims,
+            move |x| {
+                let heights = faces.iter().zip(c).map(|(f, opposite)| {
+                    let n = normal(f[0], f[1], f[2]);
+                    let n = n * -(opposite - f[0]).dot(n).signum();
+                    (x - f[0]).dot(n)
+                });
+                heights.fold(f64::NEG_INFINITY, f64::max)
+            },
+        )
+    })
+    .collect()
+}
