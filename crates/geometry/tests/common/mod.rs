@@ -81,7 +81,7 @@ impl Specimen {
 
     /// A point somewhere around the shape, near it in all directions.
     pub fn target(&self, r: &mut Random) -> DVec3 {
-        if !self.rims.is_empty() && r.bits() % 4 == 0 {
+        if !self.rims.is_empty() && r.bits().is_multiple_of(4) {
             return self.place.point(self.rims[(r.bits() % self.rims.len() as u64) as usize]);
         }
         let b = self.shape.bounds();
@@ -110,7 +110,7 @@ pub fn direction(r: &mut Random) -> DVec3 {
     loop {
         let mut v = DVec3::new(r.uniform(-1.0, 1.0), r.uniform(-1.0, 1.0), r.uniform(-1.0, 1.0));
         let l2 = v.length_squared();
-        if l2 > 1.0 || l2 < 0.01 {
+        if !(0.01..=1.0).contains(&l2) {
             continue;
         }
         let choice = r.bits() % 24;
@@ -126,12 +126,29 @@ pub fn direction(r: &mut Random) -> DVec3 {
     }
 }
 
+/// Named arguments.
+pub type Arguments<'a> = &'a [(&'a str, Value)];
+
 /// Builds a shape as a scene file would.
-pub fn build(kind: &str, args: &[(&str, Value)]) -> Result<AnyShape, Diagnostic> {
-    let schema = SCHEMAS.iter().find(|s| s.kind == kind).unwrap_or_else(|| panic!("no {kind}"));
+pub fn build(kind: &str, args: Arguments) -> Result<AnyShape, Diagnostic> {
+    build_of(&[], kind, |_| args.to_vec())
+}
+
+/// Builds a shape that is made of other ones: `args` gets their nodes.
+pub fn build_of<'a>(
+    parts: &[(&str, Arguments)],
+    kind: &str,
+    args: impl Fn(&[Value]) -> Vec<(&'a str, Value)>,
+) -> Result<AnyShape, Diagnostic> {
     let mut description = Description::default();
-    let node = make_node(schema, args).unwrap_or_else(|| panic!("{kind} takes other arguments"));
-    let id = description.push(node);
+    let mut push = |kind: &str, args: Arguments| {
+        let schema = SCHEMAS.iter().find(|s| s.kind == kind).unwrap_or_else(|| panic!("no {kind}"));
+        let node =
+            make_node(schema, args).unwrap_or_else(|| panic!("{kind} takes other arguments"));
+        description.push(node)
+    };
+    let nodes: Vec<Value> = parts.iter().map(|(k, a)| Value::Node(push(k, a))).collect();
+    let id = push(kind, &args(&nodes));
     AnyShape::from_args(&Args::new(&description, id)).map(|s| s.unwrap())
 }
 

@@ -3,10 +3,11 @@
 
 use std::f64::consts::PI;
 
+use dioptric_geometry::AnyShape;
 use dioptric_math::{DVec3, cos, sin};
 use dioptric_scene::Value;
 
-use super::{MILLION, Place, Specimen, build};
+use super::{MILLION, Place, Specimen, build, build_of};
 
 const TINY: f64 = 1.0 / MILLION;
 
@@ -23,6 +24,7 @@ pub fn specimens(place: Place) -> Vec<Specimen> {
     all.extend(triangles(at));
     all.extend(polygons(at));
     all.extend(tetrahedra(at));
+    all.extend(combinations(at));
     all
 }
 
@@ -444,4 +446,41 @@ fn tetrahedra(at: At) -> Vec<Specimen> {
         )
     })
     .collect()
+}
+
+fn combinations(at: At) -> Vec<Specimen> {
+    let (c, d) = (v3(-0.5, 0.0, 0.25), v3(0.5, 0.25, 0.0));
+    let (min, max) = (v3(-1.0, -0.5, -0.5), v3(0.5, 0.5, 0.75));
+    let ball = |c: DVec3, r: f64| [("center", at.point(c)), ("radius", at.length(r))];
+    let block = [("min", at.point(min)), ("max", at.point(max))];
+    let (c_ball, d_ball) = (ball(c, 0.75), ball(d, 0.75));
+    let (in_c, in_d) =
+        (move |p: DVec3| (p - c).length() - 0.75, move |p: DVec3| (p - d).length() - 0.75);
+    let in_block = move |p: DVec3| (p - max).max(min - p).max_element();
+    let list = |nodes: &[Value]| vec![("shapes", Value::List(nodes.into()))];
+    let make = |name, shape: AnyShape, inside, plain| Specimen {
+        name,
+        place: at.0,
+        shape,
+        size: 2.5,
+        feature: 0.5,
+        inside: Some(inside),
+        rims: vec![],
+        plain,
+    };
+    let union = build_of(&[("sphere", &c_ball), ("sphere", &d_ball)], "union", list);
+    let lens = build_of(&[("sphere", &c_ball), ("sphere", &d_ball)], "intersection", list);
+    let bitten = build_of(&[("box", &block), ("sphere", &d_ball)], "difference", |nodes| {
+        vec![("shape", nodes[0].clone()), ("minus", nodes[1].clone())]
+    });
+    vec![
+        make("union of balls", union.unwrap(), c, Box::new(move |p| in_c(p).min(in_d(p)))),
+        make("lens", lens.unwrap(), (c + d) * 0.5, Box::new(move |p| in_c(p).max(in_d(p)))),
+        make(
+            "bitten box",
+            bitten.unwrap(),
+            v3(-0.75, 0.0, 0.0),
+            Box::new(move |p| in_block(p).max(-in_d(p))),
+        ),
+    ]
 }
