@@ -7,6 +7,9 @@ use dioptric_math::{DAffine3, DMat3, DVec3, normalize};
 use crate::bounds::Bounds;
 use crate::shape::LocalSurface;
 
+/// The Frobenius norm of the identity.
+const SQRT_3: f64 = 1.732_050_807_568_877_2;
+
 /// From an object's own space to the space of the scene, and back.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transform {
@@ -19,6 +22,14 @@ pub struct Transform {
 }
 
 impl Transform {
+    /// Both spaces are the same.
+    pub const IDENTITY: Self = Self {
+        to_world: DAffine3::IDENTITY,
+        to_local: DAffine3::IDENTITY,
+        stretch: SQRT_3,
+        shrink: SQRT_3,
+    };
+
     /// The transform of a matrix; `None` where it is not finite or has no inverse that is worth the
     /// name: where the stretches of different directions are 10^15 apart, nothing but rounding is left.
     #[must_use]

@@ -13,17 +13,22 @@
 
 pub mod build;
 pub mod camera;
+pub mod compile;
 pub mod film;
 pub mod filter;
 pub mod input;
+pub mod integrator;
 pub mod job;
 pub mod light;
 pub mod material;
 pub mod pattern;
+pub mod picture;
 pub mod sampling;
+pub mod scene;
 pub mod setting;
 pub mod stats;
 pub mod vocabulary;
+pub mod why;
 
 pub use film::{Film, FirstHit, Radiance};
 pub use filter::Filter;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Paper, chalk, plaster: the same brightness from everywhere.
 
+use dioptric_math::Spectrum;
 use dioptric_scene::{Args, Category, Default, Diagnostic, Param, Schema, Type};
 
 use super::shared::{AMBIENT, BUMP, BUMP_HEIGHT, bump, unit};
@@ -36,6 +37,14 @@ static SCHEMA: Schema = Schema {
     ],
     example: "sphere(center = (0, 1, 0), radius = 1, material = matte(\"peru\"))",
 };
+
+impl Matte {
+    /// A matte surface of one colour.
+    #[must_use]
+    pub const fn new(color: Spectrum) -> Self {
+        Self { color: ColorInput::Constant(color), ambient: NumberInput::Constant(1.0), bump: None }
+    }
+}
 
 impl Material for Matte {
     const SCHEMA: &'static Schema = &SCHEMA;

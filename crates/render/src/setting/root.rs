@@ -44,6 +44,13 @@ pub struct Root {
     up: DVec3,
 }
 
+impl std::default::Default for Root {
+    /// The file's space is the space of rays, y is up.
+    fn default() -> Self {
+        Self { transform: Transform::IDENTITY, up: DVec3::Y }
+    }
+}
+
 impl Root {
     /// A root with a placement; `None` where it has no inverse.
     #[must_use]

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! How an integrator tells what it does (invariant 4: `why` is not a second renderer).
+//!
+//! Integrators are generic over a [`Recorder`]. [`Silent`] is empty and compiles to nothing;
+//! [`TreeRecorder`] builds the tree of [`Node`]s that `why` shows. Whatever costs time to tell is in
+//! closures, which the silent recorder never calls.
+
+use dioptric_geometry::Ray;
+use dioptric_math::Spectrum;
+use serde::Serialize;
+use serde_json::{Map, Value, json};
+
+/// Why a ray was cast.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RayKind {
+    /// From the camera.
+    Camera,
+    /// Mirrored at a surface.
+    Reflected,
+    /// Gone through a surface, or through a whole transparent object.
+    Transmitted,
+}
+
+/// One summand of a node's value.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Term {
+    /// `ambient`, `diffuse`, `highlight`, `emission`, `background`, `fog`.
+    pub name: &'static str,
+    /// The light that it comes from.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub light: Option<String>,
+    /// What it adds to the node's value.
+    pub value: [f64; 3],
+    /// The numbers that it was made of.
+    #[serde(flatten)]
+    pub detail: Map<String, Value>,
+}
+
+/// A further ray and what multiplies its value.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Child {
+    /// Multiplies the value of `ray`, lane by lane.
+    pub weight: [f64; 3],
+    /// The ray.
+    pub ray: Node,
+}
+
+/// Where in a scene file something was made.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct SourcePlace {
+    /// The file's name.
+    pub file: String,
+    /// The line, from 1.
+    pub line: usize,
+}
+
+/// One ray, what it met and what it brought back: `value` is the sum of all terms and of each
+/// child's weight times its value.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Node {
+    /// Why it was cast.
+    pub kind: RayKind,
+    /// Where it starts.
+    pub origin: [f64; 3],
+    /// Where it goes: a unit vector.
+    pub direction: [f64; 3],
+    /// What it hit; nothing for the background.
+    pub object: Option<String>,
+    /// The line that made the object.
+    pub source: Option<SourcePlace>,
+    /// The distance; nothing for the background.
+    pub t: Option<f64>,
+    /// Everything else: point, normal, uv, pattern value, medium, Fresnel, limits.
+    #[serde(flatten)]
+    pub detail: Map<String, Value>,
+    /// The summands of its own.
+    pub terms: Vec<Term>,
+    /// The rays that it caused.
+    pub children: Vec<Child>,
+    /// What it brought back.
+    pub value: [f64; 3],
+}
+
+/// What a ray hit, for a recorder.
+pub struct HitRecord {
+    /// The object's name.
+    pub object: String,
+    /// The line that made it.
+    pub source: Option<SourcePlace>,
+    /// The distance.
+    pub t: f64,
+    /// Point, normal, uv and so on.
+    pub detail: Map<String, Value>,
+}
+
+/// Listens to an integrator. Calls nest: `begin` ... (`begin` ... `end`)* ... `end`.
+pub trait Recorder {
+    /// Whether anything is kept. Integrators skip work that only a recorder would see.
+    const ENABLED: bool;
+
+    /// A ray is cast.
+    fn begin(&mut self, kind: RayKind, ray: &Ray);
+    /// The ray hit something.
+    fn hit(&mut self, record: impl FnOnce() -> HitRecord);
+    /// A fact about the present ray.
+    fn note(&mut self, name: &'static str, value: impl FnOnce() -> Value);
+    /// A summand of the present ray's value.
+    fn term(
+        &mut self,
+        name: &'static str,
+        value: Spectrum,
+        detail: impl FnOnce() -> (Option<String>, Value),
+    );
+    /// Everything that the present ray has so far is multiplied.
+    fn scale(&mut self, factor: Spectrum);
+    /// The present ray is done and brings `value`; its parent counts it with `weight`.
+    fn end(&mut self, weight: Spectrum, value: Spectrum);
+}
+
+/// The recorder that keeps nothing.
+pub struct Silent;
+
+impl Recorder for Silent {
+    const ENABLED: bool = false;
+
+    fn begin(&mut self, _: RayKind, _: &Ray) {}
+    fn hit(&mut self, _: impl FnOnce() -> HitRecord) {}
+    fn note(&mut self, _: &'static str, _: impl FnOnce() -> Value) {}
+    fn term(&mut self, _: &'static str, _: Spectrum, _: impl FnOnce() -> (Option<String>, Value)) {}
+    fn scale(&mut self, _: Spectrum) {}
+    fn end(&mut self, _: Spectrum, _: Spectrum) {}
+}
+
+/// The recorder that keeps everything.
+#[derive(Default)]
+pub struct TreeRecorder {
+    /// Open nodes, the root first.
+    stack: Vec<Node>,
+    root: Option<Node>,
+}
+
+impl TreeRecorder {
+    /// The tree of the ray that was recorded; `None` where none was finished.
+    #[must_use]
+    pub fn into_root(self) -> Option<Node> {
+        self.root
+    }
+}
+
+impl Recorder for TreeRecorder {
+    const ENABLED: bool = true;
+
+    fn begin(&mut self, kind: RayKind, ray: &Ray) {
+        self.stack.push(Node {
+            kind,
+            origin: ray.origin.into(),
+            direction: ray.direction.into(),
+            object: None,
+            source: None,
+            t: None,
+            detail: Map::new(),
+            terms: Vec::new(),
+            children: Vec::new(),
+            value: [0.0; 3],
+        });
+    }
+
+    fn hit(&mut self, record: impl FnOnce() -> HitRecord) {
+        if let Some(node) = self.stack.last_mut() {
+            let record = record();
+            node.object = Some(record.object);
+            node.source = record.source;
+            node.t = Some(record.t);
+            node.detail.extend(record.detail);
+        }
+    }
+
+    fn note(&mut self, name: &'static str, value: impl FnOnce() -> Value) {
+        if let Some(node) = self.stack.last_mut() {
+            node.detail.insert(name.into(), value());
+        }
+    }
+
+    fn term(
+        &mut self,
+        name: &'static str,
+        value: Spectrum,
+        detail: impl FnOnce() -> (Option<String>, Value),
+    ) {
+        if let Some(node) = self.stack.last_mut() {
+            let (light, detail) = detail();
+            let detail = if let Value::Object(map) = detail { map } else { Map::new() };
+            node.terms.push(Term { name, light, value: value.into(), detail });
+        }
+    }
+
+    fn scale(&mut self, factor: Spectrum) {
+        if let Some(node) = self.stack.last_mut() {
+            for v in node
+                .terms
+                .iter_mut()
+                .map(|t| &mut t.value)
+                .chain(node.children.iter_mut().map(|c| &mut c.weight))
+            {
+                *v = (Spectrum::from(*v) * factor).into();
+            }
+            // Scalings are told, so that a reader can find the numbers before them.
+            if let Value::Array(list) = node.detail.entry("scaled_by").or_insert_with(|| json!([]))
+            {
+                list.push(json!(factor.to_array()));
+            }
+        }
+    }
+
+    fn end(&mut self, weight: Spectrum, value: Spectrum) {
+        if let Some(mut node) = self.stack.pop() {
+            node.value = value.into();
+            match self.stack.last_mut() {
+                Some(parent) => parent.children.push(Child { weight: weight.into(), ray: node }),
+                None => self.root = Some(node),
+            }
+        }
+    }
+}

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Views that show what the renderer knows instead of light: normals, depth, uv, objects, materials,
+//! the cost of the hierarchy, rays per sample, and a quick preview lit from the eye.
+
+use dioptric_geometry::Ray;
+use dioptric_geometry::bvh::Count;
+use dioptric_geometry::world::Hit;
+use dioptric_math::random::{mix, unit};
+use dioptric_math::{DVec3, Spectrum, normalize};
+use serde_json::json;
+
+use super::recorder::{HitRecord, RayKind, Recorder};
+use super::whitted::Whitted;
+use crate::film::{FirstHit, Radiance};
+use crate::sampling::stream::Stream;
+use crate::scene::{Scene, Shading};
+use crate::setting::render::Integrator;
+use crate::stats::RayCounts;
+
+/// Box tests that the cost view shows as white.
+const COSTLY_VISITS: f64 = 200.0;
+/// Rays of one sample that the rays view shows as white.
+const MANY_RAYS: f64 = 100.0;
+
+/// The value of one camera ray in a view.
+pub fn radiance<R: Recorder>(
+    kind: Integrator,
+    scene: &Scene,
+    ray: &Ray,
+    stream: &mut Stream,
+    counts: &mut RayCounts,
+    recorder: &mut R,
+) -> Radiance {
+    if kind == Integrator::Rays {
+        return rays_view(scene, ray, stream, counts, recorder);
+    }
+    counts.camera += 1;
+    recorder.begin(RayKind::Camera, ray);
+    let mut visits = Count::default();
+    let found = scene.world.closest_counted(ray, f64::INFINITY, None, &mut visits);
+    let found = found.and_then(|hit| Some((hit, scene.shading(ray, &hit)?)));
+    let mut first = FirstHit::NONE;
+    let mut color = Spectrum::ZERO;
+    if let Some((hit, shading)) = &found {
+        let finish = shading.material.finish(&shading.point);
+        first = FirstHit {
+            object: scene.layer_id(hit.id),
+            depth: hit.t,
+            normal: facing(ray, shading.surface.shading_normal),
+            albedo: finish.base,
+        };
+        recorder.hit(|| HitRecord {
+            object: scene.object_label(hit.id),
+            source: scene.object_source(hit.id),
+            t: hit.t,
+            detail: serde_json::Map::new(),
+        });
+        color = surface_view(kind, scene, ray, hit, shading, finish.base);
+    }
+    if kind == Integrator::Cost {
+        color = Spectrum::splat(visits.boxes as f64 / COSTLY_VISITS);
+    }
+    recorder.term(kind.name(), color, || (None, json!({})));
+    recorder.end(Spectrum::ONE, color);
+    Radiance { color, alpha: if found.is_some() { 1.0 } else { 0.0 }, first }
+}
+
+fn surface_view(
+    kind: Integrator,
+    scene: &Scene,
+    ray: &Ray,
+    hit: &Hit,
+    shading: &Shading,
+    base: Spectrum,
+) -> Spectrum {
+    match kind {
+        Integrator::Normals => shading.surface.shading_normal * 0.5 + 0.5,
+        // In units of the file; the develop settings bring it into view.
+        Integrator::Depth => Spectrum::splat(hit.t / scene.root.scale()),
+        Integrator::Uv => {
+            Spectrum::new(fraction(shading.surface.uv.x), fraction(shading.surface.uv.y), 0.0)
+        }
+        Integrator::Object => label_color(u64::from(scene.layer_id(hit.id))),
+        Integrator::Material => label_color(scene.material_index(hit.id) as u64 ^ 0x5eed),
+        // Bright where the surface faces the eye, with a floor so that edges stay readable.
+        Integrator::Eyelight => {
+            let cos = facing(ray, shading.surface.shading_normal).dot(-ray.direction);
+            base * (0.1 + 0.9 * cos)
+        }
+        Integrator::Cost | Integrator::Rays | Integrator::Whitted => Spectrum::ZERO,
+    }
+}
+
+/// How many rays the Whitted integrator casts for this sample.
+fn rays_view<R: Recorder>(
+    scene: &Scene,
+    ray: &Ray,
+    stream: &mut Stream,
+    counts: &mut RayCounts,
+    recorder: &mut R,
+) -> Radiance {
+    let mut own = RayCounts::default();
+    let light = Whitted { scene, stream, counts: &mut own, recorder: &mut super::recorder::Silent }
+        .radiance(ray);
+    counts.add(&own);
+    let color = Spectrum::splat(own.total() as f64 / MANY_RAYS);
+    recorder.begin(RayKind::Camera, ray);
+    recorder.term(Integrator::Rays.name(), color, || (None, json!({"rays": own.total()})));
+    recorder.end(Spectrum::ONE, color);
+    Radiance { color, ..light }
+}
+
+fn facing(ray: &Ray, n: DVec3) -> DVec3 {
+    let n = if ray.direction.dot(n) > 0.0 { -n } else { n };
+    normalize(n).unwrap_or(DVec3::ZERO)
+}
+
+fn fraction(x: f64) -> f64 {
+    if (0.0..=1.0).contains(&x) { x } else { x - x.floor() }
+}
+
+/// A clear colour for a number: neighbours look different.
+fn label_color(key: u64) -> Spectrum {
+    let bits = mix(key);
+    let lane = |salt| 0.15 + 0.85 * unit(mix(bits ^ salt));
+    Spectrum::new(lane(1), lane(2), lane(3))
+}

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! A scene ready to be rendered. It does not change while it is rendered (invariant 1).
+
+use std::sync::Arc;
+
+use dioptric_geometry::world::{Hit, Surface, World};
+use dioptric_geometry::{AnyShape, HitId, Ray};
+use dioptric_image::Develop;
+use dioptric_math::Spectrum;
+use dioptric_scene::{Description, NodeId};
+
+use crate::camera::AnyCamera;
+use crate::integrator::recorder::SourcePlace;
+use crate::light::AnyLight;
+use crate::material::AnyMaterial;
+use crate::pattern::PatternPoint;
+use crate::setting::background::Background;
+use crate::setting::render::RenderSettings;
+use crate::setting::root::Root;
+
+/// What the scene knows of one object of the world.
+#[derive(Clone, Copy, Debug)]
+pub struct ObjectInfo {
+    /// The node that made it.
+    pub node: NodeId,
+    /// Its material's index, or where its leaves' materials begin in [`Scene::leaf_materials`].
+    pub material: u32,
+}
+
+/// A light and the node that made it.
+#[derive(Clone, Debug)]
+pub struct PlacedLight {
+    /// The light.
+    pub light: AnyLight,
+    /// The node that made it.
+    pub node: NodeId,
+}
+
+/// Everything that a picture is made from.
+#[derive(Debug)]
+pub struct Scene {
+    /// What it was compiled from: names and places for messages and `why`.
+    pub description: Arc<Description>,
+    /// What rays can hit.
+    pub world: World,
+    /// By object id of the world.
+    pub objects: Vec<ObjectInfo>,
+    /// All materials.
+    pub materials: Vec<AnyMaterial>,
+    /// Materials of the leaves of CSG objects, by [`ObjectInfo::material`] plus leaf.
+    pub leaf_materials: Vec<u32>,
+    /// By instance id: the node that was used again.
+    pub instances: Vec<NodeId>,
+    /// All lights, in the order of the file.
+    pub lights: Vec<PlacedLight>,
+    /// Light that comes from everywhere.
+    pub ambient: Spectrum,
+    /// What is seen where nothing is hit.
+    pub background: Background,
+    /// The camera.
+    pub camera: AnyCamera,
+    /// From the file's space to the space of rays.
+    pub root: Root,
+    /// Size, samples, limits.
+    pub settings: RenderSettings,
+    /// From linear light to the picture's values.
+    pub develop: Develop,
+}
+
+/// A point to shade: its surface, what patterns need to know of it, and its material.
+pub struct Shading<'a> {
+    /// The surface in the space of rays; its shading normal bumped, both normals as the shape has them.
+    pub surface: Surface,
+    /// Where patterns are asked.
+    pub point: PatternPoint,
+    /// The material.
+    pub material: &'a AnyMaterial,
+}
+
+/// Parts of CSG objects carry their leaf above these bits (see `dioptric_geometry::shapes::csg`).
+pub(crate) const LEAF_SHIFT: u32 = 8;
+
+impl Scene {
+    /// The index of the material of a hit.
+    #[must_use]
+    pub fn material_index(&self, id: HitId) -> usize {
+        let first = self.objects[id.object as usize].material;
+        // Combinations of solids have a material for each leaf.
+        match self.world.shape(id.object) {
+            Some(AnyShape::Union(_) | AnyShape::Intersection(_) | AnyShape::Difference(_)) => {
+                self.leaf_materials[(first + (id.part >> LEAF_SHIFT)) as usize] as usize
+            }
+            _ => first as usize,
+        }
+    }
+
+    /// Works out everything about a hit; `None` only for a hit that is not of this world.
+    #[must_use]
+    pub fn shading(&self, ray: &Ray, hit: &Hit) -> Option<Shading<'_>> {
+        let surface = self.world.surface(ray, hit)?;
+        let root = self.root.transform();
+        let point = PatternPoint {
+            object: surface.local_point,
+            world: root.to_local().transform_point3(surface.point),
+            uv: surface.uv,
+            object_normal: surface.local_normal,
+            // A normal goes back by the transpose of the way there.
+            world_normal: dioptric_math::normalize(
+                root.to_world().matrix3.transpose() * surface.shading_normal,
+            )
+            .unwrap_or(surface.shading_normal),
+        };
+        let material = &self.materials[self.material_index(hit.id)];
+        Some(Shading { surface, point, material })
+    }
+
+    /// A number that tells objects apart in layers and adaptive sampling: unique for each pair of
+    /// instance and object among the first 2^32.
+    #[must_use]
+    pub fn layer_id(&self, id: HitId) -> u32 {
+        if id.instance == HitId::NO_INSTANCE {
+            id.object
+        } else {
+            // Groups' objects are counted once for each instance, after all plain ones.
+            let base = (self.objects.len() as u32).wrapping_mul(id.instance.wrapping_add(1));
+            base.wrapping_add(id.object)
+        }
+    }
+
+    /// The name of a hit's object.
+    #[must_use]
+    pub fn object_label(&self, id: HitId) -> String {
+        let object = self.description.label(self.leaf_node(id));
+        match self.instances.get(id.instance as usize) {
+            Some(&instance) => format!("{} / {object}", self.description.label(instance)),
+            None => object,
+        }
+    }
+
+    /// The line that made a hit's object.
+    #[must_use]
+    pub fn object_source(&self, id: HitId) -> Option<SourcePlace> {
+        self.source(self.leaf_node(id))
+    }
+
+    /// The node of a hit: the leaf's in a CSG tree.
+    fn leaf_node(&self, id: HitId) -> NodeId {
+        let own = self.objects[id.object as usize].node;
+        self.world
+            .shape(id.object)
+            .and_then(|s| s.csg_path(id.part).first().copied())
+            .unwrap_or(own)
+    }
+
+    /// The line that made a node.
+    #[must_use]
+    pub fn source(&self, node: NodeId) -> Option<SourcePlace> {
+        let place = self.description.sources.locate(self.description.node(node).span)?;
+        Some(SourcePlace { file: place.file.to_string(), line: place.line })
+    }
+}
