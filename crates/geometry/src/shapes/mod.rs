@@ -20,9 +20,11 @@ mod frustum;
 pub mod plane;
 pub mod polygon;
 pub mod rectangle;
+mod roots;
 mod sheared;
 pub mod sphere;
 pub mod tetrahedron;
+pub mod torus;
 pub mod triangle;
 
 macro_rules! registry {
@@ -105,6 +107,7 @@ registry! {
     Triangle(Box<triangle::Triangle>),
     Polygon(Box<polygon::Polygon>),
     Tetrahedron(Box<tetrahedron::Tetrahedron>),
+    Torus(Box<torus::Torus>),
     Union(Box<csg::Union>),
     Intersection(Box<csg::Intersection>),
     Difference(Box<csg::Difference>),

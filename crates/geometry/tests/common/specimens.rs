@@ -24,6 +24,7 @@ pub fn specimens(place: Place) -> Vec<Specimen> {
     all.extend(triangles(at));
     all.extend(polygons(at));
     all.extend(tetrahedra(at));
+    all.extend(tori(at));
     all.extend(combinations(at));
     all
 }
@@ -442,6 +443,42 @@ fn tetrahedra(at: At) -> Vec<Specimen> {
                     (x - f[0]).dot(n)
                 });
                 heights.fold(f64::NEG_INFINITY, f64::max)
+            },
+        )
+    })
+    .collect()
+}
+
+fn tori(at: At) -> Vec<Specimen> {
+    [
+        ("torus", DVec3::Y, 0.75, 0.25),
+        ("torus, oblique and fat", v3(1.0, -2.0, 0.5), 0.75, 0.75 - TINY),
+        ("torus, wire", v3(0.0, 0.25, 1.0), 1.0, TINY),
+    ]
+    .into_iter()
+    .map(|(name, axis, major, minor)| {
+        let c = v3(0.25, 0.125, -0.5);
+        let unit = axis / axis.length();
+        let out = unit.any_orthonormal_vector();
+        let ring: Vec<DVec3> = (0..32)
+            .map(|i| 2.0 * PI * f64::from(i) / 32.0)
+            .map(|a| c + (out * cos(a) + unit.cross(out) * sin(a)) * major)
+            .collect();
+        at.make(
+            (name, "torus"),
+            &[
+                ("center", at.point(c)),
+                ("axis", direction(axis)),
+                ("major_radius", at.length(major)),
+                ("minor_radius", at.length(minor)),
+            ],
+            (2.0 * (major + minor), minor),
+            Some(ring[3] + unit * (0.25 * minor)),
+            ring,
+            move |p| {
+                let y = (p - c).dot(unit);
+                let x = (p - c - unit * y).length() - major;
+                (x * x + y * y).sqrt() - minor
             },
         )
     })
