@@ -2,6 +2,9 @@
 //! Worlds against their slow twin, which asks every object, and the rules for rays that leave
 //! something.
 
+use dioptric_geometry::shapes::cuboid::Cuboid;
+use dioptric_geometry::shapes::plane::Plane;
+use dioptric_geometry::shapes::rectangle::Rectangle;
 use dioptric_geometry::shapes::sphere::Sphere;
 use dioptric_geometry::{
     AnyShape, Departure, GroupId, Hit, HitId, Leaving, LocalRay, PlacementError, Ray, Transform,
@@ -366,4 +369,97 @@ fn placements_that_make_no_sense_are_errors() {
     let world = builder.build();
     assert!(world.closest(&Ray::new(DVec3::Z * 5.0, -DVec3::Z), 9.0, None).is_none());
     assert!(world.bounds().is_empty() && world.object_count() == 1 && world.instance_count() == 1);
+}
+
+/// The cube of the first scene on the floor that it stands on, both with their bottom and top at
+/// y = -20; `numbers` is applied to the numbers of the shapes, `placement` places them.
+fn cube_on_floor(scale: f64, away: DVec3, placement: DAffine3, endless: bool) -> World {
+    let at = |x: f64, y: f64, z: f64| DVec3::new(x, y, z) * scale + away;
+    let cube = Cuboid::new(at(10.0, -20.0, -98.0), at(18.0, -12.0, -90.0));
+    let floor = if endless {
+        AnyShape::Plane(Box::new(Plane::new(at(3.0, -20.0, 5.0), DVec3::Y).unwrap()))
+    } else {
+        let (u, v) = (DVec3::X * 120.0 * scale, DVec3::Z * -160.0 * scale);
+        AnyShape::Rectangle(Box::new(Rectangle::new(at(-60.0, -20.0, -40.0), u, v).unwrap()))
+    };
+    let mut builder = WorldBuilder::new();
+    assert_eq!(builder.object(AnyShape::Cuboid(Box::new(cube)), placement), Ok(0));
+    // The floor gets there by another way: what rounds in the one place does not in the other.
+    let group = builder.begin_group();
+    let half = DAffine3::from_translation(DVec3::splat(0.3 * scale));
+    assert_eq!(builder.object(floor, half), Ok(1));
+    builder.end_group();
+    assert_eq!(builder.instance(group, placement * half.inverse()), Ok(0));
+    builder.build()
+}
+
+#[test]
+fn a_cube_on_a_floor_shows_it_and_shades_it() {
+    let mut random = Random::new(5);
+    const CUBE: (u32, u32) = (HitId::NO_INSTANCE, 0);
+    const FLOOR: (u32, u32) = (0, 1);
+    let who = |hit: &Hit| (hit.id.instance, hit.id.object);
+    let turn = DAffine3::from_axis_angle(DVec3::new(0.48, 0.64, 0.6), 2.0);
+    let quarter = DAffine3::from_axis_angle(DVec3::Z, std::f64::consts::FRAC_PI_2);
+    for scale in [1e-6, 1e-3, 1.0, 1e3, 1e6] {
+        for away in [0.0, 1e5 * scale] {
+            for (placement, endless) in [
+                (DAffine3::IDENTITY, false),
+                (DAffine3::IDENTITY, true),
+                (turn, false),
+                (turn, true),
+                (quarter, true),
+                (DAffine3::from_scale(DVec3::new(-2.0, 0.5, 1.0)) * turn, true),
+                (DAffine3::from_translation(DVec3::splat(-away)) * turn, false),
+            ] {
+                let away = DVec3::new(away, -0.9 * away, 0.7 * away);
+                let world = cube_on_floor(scale, away, placement, endless);
+                let place = |p: DVec3| placement.transform_point3(p * scale + away);
+                for _ in 0..40 {
+                    // From the top of the cube down to its bottom: the exit is the cube's own.
+                    let on = |random: &mut Random, y: f64| {
+                        DVec3::new(random.uniform(10.1, 17.9), y, random.uniform(-97.9, -90.1))
+                    };
+                    let (above, below) =
+                        (place(on(&mut random, -5.0)), place(on(&mut random, -19.9)));
+                    let from_above = Ray::new(above, below - above);
+                    let top = world.closest(&from_above, f64::INFINITY, None).unwrap();
+                    assert_eq!(who(&top), CUBE);
+                    let s = world.surface(&from_above, &top).unwrap();
+                    let inward = Departure { from: top.id, outward: false };
+                    let inside = Ray {
+                        error: s.error,
+                        ..Ray::new(s.point, place(on(&mut random, -20.0)) - s.point)
+                    };
+                    let bottom = world.closest_of(&inside, 9.0, Some(&inward), CUBE.0, 0).unwrap();
+                    assert!((bottom.t - 1.0).abs() < 1e-9, "{bottom:?}");
+                    // Out of it and down: the floor, at once.
+                    let s = world.surface(&inside, &bottom).unwrap();
+                    let out = Departure { from: bottom.id, outward: true };
+                    let mut direction = vector(&mut random, scale);
+                    direction *= direction.dot(s.normal).signum();
+                    let down = Ray { error: s.error, ..Ray::new(s.point, direction) };
+                    let floor = world.closest(&down, f64::INFINITY, Some(&out)).unwrap();
+                    assert_eq!(who(&floor), FLOOR, "{scale} {away} {placement:?}");
+                    let f = world.surface(&down, &floor).unwrap();
+                    let across = floor.t * direction.dot(s.normal);
+                    assert!(across <= s.error + f.error, "{across} {} {}", s.error, f.error);
+                    let mut hits = Vec::new();
+                    world.hits(&down, f64::INFINITY, Some(&out), &mut hits);
+                    assert_eq!(hits, [floor]);
+                    // From the floor upwards: the cube, at once; so the floor is in shadow there.
+                    let out = Departure { from: floor.id, outward: true };
+                    let mut direction = vector(&mut random, scale);
+                    direction *= direction.dot(f.normal).signum();
+                    let up = Ray { error: f.error, ..Ray::new(f.point, direction) };
+                    let cube = world.closest(&up, f64::INFINITY, Some(&out)).unwrap();
+                    assert_eq!((who(&cube), cube.id.part), (CUBE, bottom.id.part));
+                    assert!(cube.t * direction.dot(f.normal) <= s.error + f.error);
+                    assert!(world.occluded(&up, 1e-3, Some(&out)));
+                    world.hits(&up, f64::INFINITY, Some(&out), &mut hits);
+                    assert_eq!(hits.iter().map(who).collect::<Vec<_>>(), [CUBE, CUBE]);
+                }
+            }
+        }
+    }
 }

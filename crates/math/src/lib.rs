@@ -9,7 +9,7 @@
 pub mod bounds;
 pub mod random;
 
-pub use glam::{DAffine3, DMat3, DVec2, DVec3, DVec4};
+pub use glam::{DAffine3, DMat3, DVec2, DVec3, DVec4, Vec4};
 pub use libm::{acos, asin, atan, atan2, cbrt, cos, exp, exp2, log2, log10, pow, sin, tan, tanh};
 
 /// Light as three linear lanes (Rec. 709 primaries): radiance, or a weight that multiplies it.

@@ -5,16 +5,16 @@
 //! Every subtree owns a fixed part of the arrays (a range of `n` items needs at most `n - 1` nodes),
 //! so that subtrees can be built by several threads with the same result as by one.
 
-use dioptric_math::DVec3;
+use dioptric_math::{DVec3, Vec4};
 
-use super::{Child, MAX_DEPTH, Node};
+use super::{Bvh, Child, MAX_DEPTH, Node};
 use crate::bounds::Bounds;
 
 const BINS: usize = 16;
-/// Leaves hold more only where nothing tells their items apart... and never more than this.
+/// Leaves hold no more items, even where nothing tells them apart.
 const MAX_LEAF: usize = 8;
 /// The cost of a visit to a node, in tests of an item.
-const VISIT_COST: f64 = 1.0;
+const VISIT_COST: f64 = 1.5;
 /// Below this many items a second thread costs more than it saves.
 const PARALLEL: usize = 4096;
 
@@ -43,15 +43,22 @@ impl Box32 {
 
     fn grow(&mut self, other: &Self) {
         for axis in 0..3 {
-            self.min[axis] = self.min[axis].min(other.min[axis]);
-            self.max[axis] = self.max[axis].max(other.max[axis]);
+            // Not f32's own min and max, which take thrice the time to look for NaN.
+            let (low, high) = (other.min[axis], other.max[axis]);
+            self.min[axis] = if low < self.min[axis] { low } else { self.min[axis] };
+            self.max[axis] = if high > self.max[axis] { high } else { self.max[axis] };
         }
+    }
+
+    /// The largest coordinate.
+    fn largest(&self) -> f64 {
+        self.min.iter().chain(&self.max).fold(0.0, |m, x| f64::from(x.abs()).max(m))
     }
 
     /// Half the surface, in f64 so that no scale overflows; 0 where empty.
     fn half_area(&self) -> f64 {
-        let [x, y, z] =
-            [0, 1, 2].map(|i| (f64::from(self.max[i]) - f64::from(self.min[i])).max(0.0));
+        let size = |i: usize| (f64::from(self.max[i]) - f64::from(self.min[i])).max(0.0);
+        let (x, y, z) = (size(0), size(1), size(2));
         x * y + y * z + z * x
     }
 }
@@ -63,61 +70,53 @@ struct Item {
 }
 
 impl Item {
-    /// The box's middle; halves first, so that it cannot overflow.
+    /// The box's middle on one axis; halves first, so that it cannot overflow.
     fn center(&self, axis: usize) -> f32 {
         0.5 * self.bounds.min[axis] + 0.5 * self.bounds.max[axis]
     }
+
+    /// The box's middle.
+    fn centers(&self) -> [f32; 3] {
+        [self.center(0), self.center(1), self.center(2)]
+    }
 }
 
-const EMPTY_NODE: Node = Node {
-    planes: [
-        [f32::INFINITY; 2],
-        [f32::NEG_INFINITY; 2],
-        [f32::INFINITY; 2],
-        [f32::NEG_INFINITY; 2],
-        [f32::INFINITY; 2],
-        [f32::NEG_INFINITY; 2],
-    ],
-    children: [Child { first: 0, count: 0 }; 2],
-};
+/// A split in two.
+#[derive(Clone, Copy)]
+struct Split2 {
+    bounds: [Box32; 2],
+    children: [Child; 2],
+}
 
 pub(super) fn build(
     boxes: impl ExactSizeIterator<Item = Bounds>,
     center: DVec3,
-) -> (Vec<Node>, Vec<u32>) {
+) -> (Bvh, Vec<u32>) {
     let mut items: Vec<Item> = boxes
         .zip(0..)
         .map(|(b, index)| Item { bounds: Box32::around(&b, center), index })
         .collect();
+    let mut bvh = Bvh { nodes: Vec::new(), center, extent: 0.0, depth: 1 };
     if items.is_empty() {
-        return (Vec::new(), Vec::new());
+        return (bvh, Vec::new());
     }
-    let mut loose = vec![EMPTY_NODE; items.len().saturating_sub(1).max(1)];
-    let root = Range { items: &mut items, first: 0, nodes: &mut loose, base: 0, depth: 0 }.build();
-    let nodes = if root.child.count > 0 {
-        // One leaf only: a root with one child.
-        set_child(&mut loose[0], 0, &root);
-        vec![loose[0]]
-    } else {
-        compact(&loose, root.nodes)
-    };
-    (nodes, items.iter().map(|item| item.index).collect())
+    let unused = Split2 { bounds: [Box32::EMPTY; 2], children: [Child::default(); 2] };
+    let mut splits = vec![unused; items.len() - 1];
+    let root =
+        Range { items: &mut items, first: 0, splits: &mut splits, base: 0, depth: 0 }.build();
+    bvh.extent = root.bounds.largest();
+    let order = items.iter().map(|item| item.index).collect();
+    drop(items);
+    widen(&mut bvh, &splits, &root);
+    bvh.nodes.shrink_to_fit();
+    (bvh, order)
 }
 
 /// A built subtree.
+#[derive(Clone, Copy)]
 struct Built {
     child: Child,
     bounds: Box32,
-    /// Nodes used.
-    nodes: usize,
-}
-
-fn set_child(node: &mut Node, side: usize, built: &Built) {
-    for axis in 0..3 {
-        node.planes[2 * axis][side] = built.bounds.min[axis];
-        node.planes[2 * axis + 1][side] = built.bounds.max[axis];
-    }
-    node.children[side] = built.child;
 }
 
 /// A range of items that becomes a subtree, with the part of the arrays that it owns.
@@ -125,8 +124,8 @@ struct Range<'a> {
     items: &'a mut [Item],
     /// Where `items` begins among all.
     first: u32,
-    nodes: &'a mut [Node],
-    /// Where `nodes` begins among all.
+    splits: &'a mut [Split2],
+    /// Where `splits` begins among all.
     base: u32,
     depth: usize,
 }
@@ -138,10 +137,10 @@ impl Range<'_> {
         let mut centers = Box32::EMPTY;
         for item in self.items.iter() {
             bounds.grow(&item.bounds);
-            let c = [0, 1, 2].map(|axis| item.center(axis));
+            let c = item.centers();
             centers.grow(&Box32 { min: c, max: c });
         }
-        let leaf = Built { child: Child { first: self.first, count: n as u32 }, bounds, nodes: 0 };
+        let leaf = Built { child: Child { first: self.first, count: n as u32 }, bounds };
         if n == 1 {
             return leaf;
         }
@@ -161,15 +160,20 @@ impl Range<'_> {
             None => halve(self.items, &centers),
         };
         let (left, right) = self.items.split_at_mut(middle);
-        let Some((node, rest)) = self.nodes.split_first_mut() else { return leaf };
-        let (left_nodes, right_nodes) = rest.split_at_mut(middle - 1);
+        let Some((split, rest)) = self.splits.split_first_mut() else { return leaf };
+        let (left_splits, right_splits) = rest.split_at_mut(middle - 1);
         let depth = self.depth + 1;
-        let left =
-            Range { items: left, first: self.first, nodes: left_nodes, base: self.base + 1, depth };
+        let left = Range {
+            items: left,
+            first: self.first,
+            splits: left_splits,
+            base: self.base + 1,
+            depth,
+        };
         let right = Range {
             items: right,
             first: self.first + middle as u32,
-            nodes: right_nodes,
+            splits: right_splits,
             base: self.base + middle as u32,
             depth,
         };
@@ -179,13 +183,9 @@ impl Range<'_> {
         } else {
             (left.build(), right.build())
         };
-        set_child(node, 0, &left);
-        set_child(node, 1, &right);
-        Built {
-            child: Child { first: self.base, count: 0 },
-            bounds,
-            nodes: 1 + left.nodes + right.nodes,
-        }
+        *split =
+            Split2 { bounds: [left.bounds, right.bounds], children: [left.child, right.child] };
+        Built { child: Child { first: self.base, count: 0 }, bounds }
     }
 }
 
@@ -279,25 +279,44 @@ fn halve(items: &mut [Item], centers: &Box32) -> usize {
     middle
 }
 
-/// Closes the gaps between the nodes, each followed by its first child's subtree.
-fn compact(loose: &[Node], used: usize) -> Vec<Node> {
-    let mut nodes = Vec::with_capacity(used);
-    // Where a node is now, and the (parent, side) that refers to it.
-    let mut pending = vec![(0u32, None)];
-    while let Some((at, parent)) = pending.pop() {
-        let index = nodes.len() as u32;
-        let node: Node = loose[at as usize];
-        nodes.push(node);
-        if let Some((parent, side)) = parent {
-            let parent: &mut Node = &mut nodes[parent as usize];
-            parent.children[side as usize].first = index;
+/// Joins splits in two to nodes of four: of the parts of a node the one with the largest box is split
+/// on, as long as there is room. Each node is followed by its first child's subtree.
+fn widen(bvh: &mut Bvh, splits: &[Split2], root: &Built) {
+    // What to make a node of, its depth, and the (parent, lane) that refers to it.
+    let mut pending: Vec<(Built, usize, Option<(usize, usize)>)> = vec![(*root, 1, None)];
+    while let Some((subtree, depth, parent)) = pending.pop() {
+        let mut parts = [Built { child: Child { first: 0, count: 1 }, bounds: Box32::EMPTY }; 4];
+        parts[0] = subtree;
+        let mut used = 1;
+        while used < 4 {
+            let inner = (0..used).filter(|&i| parts[i].child.count == 0);
+            let area = |i: &usize| parts[*i].bounds.half_area();
+            let Some(largest) = inner.max_by(|a, b| area(a).total_cmp(&area(b))) else { break };
+            let Some(split) = splits.get(parts[largest].child.first as usize) else { break };
+            let [left, right] =
+                [0, 1].map(|i| Built { child: split.children[i], bounds: split.bounds[i] });
+            parts[largest] = left;
+            parts[used] = right;
+            used += 1;
         }
-        for side in [1u8, 0] {
-            let child = node.children[usize::from(side)];
-            if child.count == 0 {
-                pending.push((child.first, Some((index, side))));
+        let index = bvh.nodes.len();
+        bvh.depth = bvh.depth.max(depth);
+        bvh.nodes.push(Node {
+            planes: std::array::from_fn(|plane| {
+                let side = |b: &Box32| if plane % 2 == 0 { b.min } else { b.max }[plane / 2];
+                Vec4::from_array(parts.map(|part| side(&part.bounds)))
+            }),
+            children: parts.map(|part| part.child),
+        });
+        if let Some((parent, lane)) = parent
+            && let Some(node) = bvh.nodes.get_mut(parent)
+        {
+            node.children[lane].first = index as u32;
+        }
+        for lane in (0..used).rev() {
+            if parts[lane].child.count == 0 {
+                pending.push((parts[lane], depth + 1, Some((index, lane))));
             }
         }
     }
-    nodes
 }

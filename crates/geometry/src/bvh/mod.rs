@@ -10,22 +10,23 @@
 mod build;
 mod traverse;
 
-use dioptric_math::DVec3;
+use dioptric_math::{DVec3, Vec4};
 
 use crate::bounds::Bounds;
 
 pub use traverse::{BoxRay, Count, Counter, NoCount};
 
-/// No path from the root is longer: the build falls back to halving in time.
+/// No way from the root has more splits: the build falls back to halving in time.
 const MAX_DEPTH: usize = 64;
 
-/// Two child boxes and where the children are: one cache line.
+/// Up to four child boxes and where the children are: two cache lines. A child that is missing has
+/// an inverted box, which no ray enters.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 struct Node {
-    /// `planes[2 * axis + side][child]`; side 0 is the smaller one.
-    planes: [[f32; 2]; 6],
-    children: [Child; 2],
+    /// `planes[2 * axis + side]`, a lane for each child; side 0 is the smaller one.
+    planes: [Vec4; 6],
+    children: [Child; 4],
 }
 
 /// A leaf, `first .. first + count` of the items; or the node `first` where `count` is 0.
@@ -41,6 +42,10 @@ pub struct Bvh {
     nodes: Vec<Node>,
     /// Where the nodes' boxes have their origin.
     center: DVec3,
+    /// The largest coordinate of the nodes' boxes.
+    extent: f64,
+    /// The nodes on the longest way from the root.
+    depth: usize,
 }
 
 impl Bvh {
@@ -51,20 +56,13 @@ impl Bvh {
     /// for any number of threads.
     #[must_use]
     pub fn build(boxes: impl ExactSizeIterator<Item = Bounds>, center: DVec3) -> (Self, Vec<u32>) {
-        let (nodes, order) = build::build(boxes, center);
-        (Self { nodes, center }, order)
+        build::build(boxes, center)
     }
 
     /// Whether a box is finite and not empty, also in single precision about `center`.
     #[must_use]
     pub fn can_hold(bounds: &Bounds, center: DVec3) -> bool {
         !bounds.is_empty() && build::Box32::around(bounds, center).is_finite()
-    }
-
-    /// The origin of the nodes' boxes, which a [`BoxRay`] needs.
-    #[must_use]
-    pub const fn center(&self) -> DVec3 {
-        self.center
     }
 
     /// Bytes on the heap.

@@ -2,11 +2,12 @@
 //! Walking the tree, near boxes first.
 //!
 //! Slabs after Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013, with its relative factor replaced by
-//! an absolute pad in [`BoxRay`], which also covers hits a little behind the origin.
+//! an absolute pad in [`BoxRay`], which also covers hits a little behind the origin. Lanes are glam's,
+//! which are SSE2 or NEON registers; they only reject (invariant 2), so no bit of a hit depends on them.
 
 use std::ops::Range;
 
-use dioptric_math::DVec3;
+use dioptric_math::{DVec3, Vec4};
 
 use super::{Bvh, Child, MAX_DEPTH, Node};
 
@@ -46,57 +47,92 @@ impl Counter for Count {
     }
 }
 
-/// A ray as boxes see it.
+/// A ray as boxes see it, in single precision: about the tree's centre, its direction scaled so that
+/// the largest component is 1.
 #[derive(Clone, Copy, Debug)]
 pub struct BoxRay {
     /// The origin moved by the pad along the direction, in each axis: near planes come earlier.
-    near: [f64; 3],
+    near: [Vec4; 3],
     /// The origin moved back: far planes come later.
-    far: [f64; 3],
-    inverse: [f64; 3],
+    far: [Vec4; 3],
+    inverse: [Vec4; 3],
     /// 1 where the direction is negative: which side of a box is the far one.
     negative: [usize; 3],
+    /// From `t` to the scaled direction's.
+    scale: f64,
 }
 
+/// Components of the direction below this part of the largest count as this much: over the whole scene
+/// that moves a ray by less than its pad.
+const SMALLEST: f64 = 1e-30;
+
 impl BoxRay {
-    /// A ray for the tree with this centre. All boxes count as larger by `pad` on every side.
-    ///
-    /// The pad must be at least `gamma(8)` times (the largest coordinate of the origin and of the boxes),
-    /// for the test's own errors, and what the things in the leaves may lie outside of their boxes.
+    /// A ray for this tree. All boxes count as larger by `pad` on every side: what the things in the
+    /// leaves may lie outside of their boxes. The test's own errors come on top of that.
     #[must_use]
-    pub fn new(origin: DVec3, direction: DVec3, center: DVec3, pad: f64) -> Self {
-        let pad = pad.min(f64::MAX * 0.25); // also where it is NaN
-        let o = (origin - center).to_array();
-        let d = direction.to_array();
-        let step = d.map(|x| pad.copysign(x));
-        Self {
-            near: [0, 1, 2].map(|i| o[i] + step[i]),
-            far: [0, 1, 2].map(|i| o[i] - step[i]),
-            inverse: d.map(|x| 1.0 / x),
-            negative: d.map(|x| usize::from(x.is_sign_negative())),
+    pub fn new(origin: DVec3, direction: DVec3, bvh: &Bvh, pad: f64) -> Self {
+        let scale = direction.abs().max_element();
+        let relative = origin - bvh.center;
+        let reach = relative.abs().max_element() + bvh.extent;
+        // The origin's rounding to f32 and three more roundings, each 2^-24 of the reach at most; the
+        // last term where f32 has few digits left.
+        let pad = pad + reach * (8.0 / f64::from(1u32 << 24)) + f64::from(f32::MIN_POSITIVE);
+        let in_range = reach + pad < 1e30; // false where NaN, too
+        let mut this = Self {
+            near: [Vec4::ZERO; 3],
+            far: [Vec4::ZERO; 3],
+            inverse: [Vec4::ZERO; 3],
+            negative: [0; 3],
+            scale,
+        };
+        for axis in 0..3 {
+            let d = direction[axis] / scale;
+            let d = if d.abs() > SMALLEST { d } else { SMALLEST.copysign(d) };
+            let step = 1.0_f64.copysign(d);
+            // Without a usable origin all boxes are entered.
+            let (near, far) = if in_range {
+                (relative[axis] + pad * step, relative[axis] - pad * step)
+            } else {
+                (f64::from(f32::MAX) * step, f64::from(f32::MAX) * -step)
+            };
+            this.near[axis] = Vec4::splat(near as f32);
+            this.far[axis] = Vec4::splat(far as f32);
+            this.inverse[axis] = Vec4::splat((1.0 / d) as f32);
+            this.negative[axis] = usize::from(d < 0.0);
         }
+        this
+    }
+
+    /// `t_max` in the scaled direction's units, rounded up.
+    fn limit(&self, t_max: f64) -> f32 {
+        ((t_max * self.scale) as f32).next_up().min(f32::MAX)
     }
 }
 
 impl Node {
-    /// Where the ray enters the two boxes, at least 0; infinite where it misses or enters after `t_max`.
+    /// Where the ray enters the boxes, at least 0, and a bit for each box that it enters at `limit` or
+    /// before.
     #[inline]
-    fn enter(&self, ray: &BoxRay, t_max: f64) -> [f64; 2] {
-        let mut near = [0.0; 2];
-        let mut far = [t_max; 2];
+    fn enter(&self, ray: &BoxRay, limit: f32) -> ([f32; 4], u32) {
+        let mut near = Vec4::ZERO;
+        let mut far = Vec4::splat(limit);
         for axis in 0..3 {
-            let near_plane = self.planes[2 * axis + ray.negative[axis]];
-            let far_plane = self.planes[2 * axis + 1 - ray.negative[axis]];
-            for side in 0..2 {
-                let t0 = (f64::from(near_plane[side]) - ray.near[axis]) * ray.inverse[axis];
-                let t1 = (f64::from(far_plane[side]) - ray.far[axis]) * ray.inverse[axis];
-                // In this order a NaN (0 times infinity: along a plane of the box) changes nothing.
-                near[side] = if t0 > near[side] { t0 } else { near[side] };
-                far[side] = if t1 < far[side] { t1 } else { far[side] };
-            }
+            let side = ray.negative[axis];
+            // No NaN: the inverse is finite and at least 1, and only planes can be infinite.
+            let t0 = (self.planes[2 * axis + side] - ray.near[axis]) * ray.inverse[axis];
+            let t1 = (self.planes[2 * axis + 1 - side] - ray.far[axis]) * ray.inverse[axis];
+            near = near.max(t0);
+            far = far.min(t1);
         }
-        [0, 1].map(|side| if near[side] <= far[side] { near[side] } else { f64::INFINITY })
+        (near.to_array(), near.cmple(far).bitmask())
     }
+}
+
+/// What is still to be visited, and where the ray enters it.
+#[derive(Clone, Copy)]
+struct Task {
+    child: Child,
+    near: f32,
 }
 
 impl Bvh {
@@ -110,34 +146,59 @@ impl Bvh {
         ray: &BoxRay,
         t_max: f64,
         counter: &mut C,
+        leaf: impl FnMut(Range<usize>, f64, &mut C) -> Option<f64>,
+    ) -> Option<f64> {
+        // A level leaves at most three tasks behind. A small stack is faster to set up.
+        if self.depth <= 21 {
+            self.walk::<64, C>(ray, t_max, counter, leaf)
+        } else {
+            self.walk::<{ 3 * MAX_DEPTH + 1 }, C>(ray, t_max, counter, leaf)
+        }
+    }
+
+    #[inline]
+    fn walk<const STACK: usize, C: Counter>(
+        &self,
+        ray: &BoxRay,
+        mut t_max: f64,
+        counter: &mut C,
         mut leaf: impl FnMut(Range<usize>, f64, &mut C) -> Option<f64>,
     ) -> Option<f64> {
         if self.nodes.is_empty() {
             return Some(t_max);
         }
-        // Infinite marks a miss: no finite scene reaches as far.
-        let mut t_max = t_max.min(f64::MAX);
-        let mut stack = [(Child { first: 0, count: 0 }, 0.0); MAX_DEPTH];
+        let mut limit = ray.limit(t_max);
+        let mut stack = [Task { child: Child { first: 0, count: 0 }, near: 0.0 }; STACK];
         let mut top = 0;
         let mut at = Child { first: 0, count: 0 };
         loop {
             if at.count == 0 {
                 let node = &self.nodes[at.first as usize];
-                counter.boxes(2);
-                let enter = node.enter(ray, t_max);
-                let second = usize::from(enter[0] <= enter[1]);
-                let first = 1 - second;
-                if enter[first] < f64::INFINITY {
-                    if enter[second] < f64::INFINITY {
-                        stack[top] = (node.children[second], enter[second]);
+                counter.boxes(4);
+                let (near, mut entered) = node.enter(ray, limit);
+                if entered != 0 {
+                    let bottom = top;
+                    while entered != 0 {
+                        let lane = entered.trailing_zeros() as usize;
+                        entered &= entered - 1;
+                        // Sorted, the nearest on top.
+                        let task = Task { child: node.children[lane], near: near[lane] };
+                        let mut slot = top;
+                        while slot > bottom && stack[slot - 1].near < task.near {
+                            stack[slot] = stack[slot - 1];
+                            slot -= 1;
+                        }
+                        stack[slot] = task;
                         top += 1;
                     }
-                    at = node.children[first];
+                    top -= 1;
+                    at = stack[top].child;
                     continue;
                 }
             } else {
                 let first = at.first as usize;
                 t_max = leaf(first..first + at.count as usize, t_max, counter)?;
+                limit = ray.limit(t_max);
             }
             loop {
                 if top == 0 {
@@ -145,8 +206,8 @@ impl Bvh {
                 }
                 top -= 1;
                 // Not `<`: another hit at the same t may have a lower id.
-                if stack[top].1 <= t_max {
-                    at = stack[top].0;
+                if stack[top].near <= limit {
+                    at = stack[top].child;
                     break;
                 }
             }

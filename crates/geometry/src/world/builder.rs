@@ -148,9 +148,11 @@ impl WorldBuilder {
         let mut objects: Vec<Object> = Vec::new();
         let mut levels = Vec::with_capacity(groups.len());
         for mut group in groups {
-            let places =
-                group.iter().map(|o| place(o.shape.bounds(), Reach::NONE, transform(o.transform)));
-            let (level, order) = Level::build(places.collect(), objects.len());
+            let (level, order) = Level::build(group.len(), objects.len(), |i| {
+                group.get(i).map_or(NOTHING, |o| {
+                    place(o.shape.bounds(), Reach::NONE, transform(o.transform))
+                })
+            });
             permute(&mut group, order);
             if objects.is_empty() {
                 objects = group;
@@ -159,12 +161,12 @@ impl WorldBuilder {
             }
             levels.push(level);
         }
-        let places = instances.iter().map(|i| {
-            levels.get(i.group as usize).map_or((Bounds::EMPTY, Reach::NONE), |level: &Level| {
+        let (instance_level, order) = Level::build(instances.len(), 0, |i| {
+            let found = instances.get(i).and_then(|i| Some((i, levels.get(i.group as usize)?)));
+            found.map_or(NOTHING, |(i, level): (_, &Level)| {
                 place(level.bounds, level.reach, transform(i.transform))
             })
         });
-        let (instance_level, order) = Level::build(places.collect(), 0);
         permute(&mut instances, order);
         World {
             place_of: invert(objects.iter().map(|o| o.id)),
@@ -177,6 +179,8 @@ impl WorldBuilder {
         }
     }
 }
+
+const NOTHING: (Bounds, Reach) = (Bounds::EMPTY, Reach::NONE);
 
 /// The box of a thing in its place, and its reach seen from there.
 fn place(local: Bounds, reach: Reach, transform: Option<&Transform>) -> (Bounds, Reach) {
@@ -201,29 +205,38 @@ fn largest(b: &Bounds) -> f64 {
 }
 
 impl Level {
-    /// Builds the tree over things with these boxes and returns the order in which the things must be
-    /// put: the tree's, then the unbounded, then the empty ones. `first` is where they will begin.
-    fn build(places: Vec<(Bounds, Reach)>, first: usize) -> (Self, Vec<u32>) {
-        let reach = places.iter().fold(Reach::NONE, |r, (_, other)| r.or(*other));
-        let finite = places
-            .iter()
-            .filter(|(b, _)| b.is_finite() && !b.is_empty())
-            .fold(Bounds::EMPTY, |all, (b, _)| all.union(*b));
+    /// Builds the tree over things whose boxes and reaches `place` gives, and returns the order in which
+    /// they must be put: the tree's, then the unbounded, then the empty ones. `first` is where they
+    /// will begin.
+    fn build(
+        count: usize,
+        first: usize,
+        place: impl Fn(usize) -> (Bounds, Reach),
+    ) -> (Self, Vec<u32>) {
+        let mut finite = Bounds::EMPTY;
+        let mut reach = Reach::NONE;
+        for (b, r) in (0..count).map(&place) {
+            reach = reach.or(r);
+            if b.is_finite() && !b.is_empty() {
+                finite = finite.union(b);
+            }
+        }
         let center = if finite.is_empty() { DVec3::ZERO } else { finite.center() };
         let (mut bounded, mut unbounded, mut empty) = (Vec::new(), Vec::new(), Vec::new());
         let mut bounds = finite;
-        for ((b, _), index) in places.iter().zip(0u32..) {
+        for index in 0..count as u32 {
+            let (b, _) = place(index as usize);
             let nothing = b.is_empty() && !(b.min.is_nan() || b.max.is_nan());
             if nothing {
                 empty.push(index);
-            } else if Bvh::can_hold(b, center) {
+            } else if Bvh::can_hold(&b, center) {
                 bounded.push(index);
             } else {
                 unbounded.push(index);
-                bounds = if b.is_empty() { Bounds::EVERYTHING } else { bounds.union(*b) };
+                bounds = if b.is_empty() { Bounds::EVERYTHING } else { bounds.union(b) };
             }
         }
-        let boxes = bounded.iter().map(|&i| places.get(i as usize).map_or(Bounds::EMPTY, |p| p.0));
+        let boxes = bounded.iter().map(|&i| place(i as usize).0);
         let (bvh, order) = Bvh::build(boxes, center);
         let mut all: Vec<u32> =
             order.into_iter().filter_map(|i| bounded.get(i as usize).copied()).collect();

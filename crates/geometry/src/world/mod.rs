@@ -115,7 +115,7 @@ impl Reach {
 
 impl Level {
     fn box_ray(&self, origin: DVec3, direction: DVec3, error: f64) -> BoxRay {
-        BoxRay::new(origin, direction, self.bvh.center(), self.reach.pad(origin, error))
+        BoxRay::new(origin, direction, &self.bvh, self.reach.pad(origin, error))
     }
 }
 
