@@ -6,7 +6,13 @@ use dioptric_scene::{Args, Diagnostic, Schema};
 
 use crate::setting::root::Root;
 
+pub mod fisheye;
+mod frame;
+pub mod orthographic;
+pub mod panorama;
 pub mod perspective;
+#[cfg(test)]
+pub(crate) mod testing;
 
 /// A camera.
 pub trait Camera: Sized {
@@ -72,4 +78,7 @@ macro_rules! registry {
 
 registry! {
     Perspective(perspective::Perspective),
+    Orthographic(orthographic::Orthographic),
+    Fisheye(fisheye::Fisheye),
+    Panorama(panorama::Panorama),
 }

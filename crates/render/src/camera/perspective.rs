@@ -6,6 +6,7 @@ use dioptric_math::{DVec3, normalize, tan};
 use dioptric_scene::{Args, Category, Default, Diagnostic, Param, Schema, Type};
 
 use super::Camera;
+use super::frame::{EYE, Frame, LOOK_AT, UP};
 use crate::setting::root::Root;
 
 /// A perspective camera.
@@ -18,7 +19,7 @@ pub struct Perspective {
     right: DVec3,
     /// From the middle of that plane to its upper edge.
     up: DVec3,
-    /// Lens radius as a share of the focal distance's unit, along unit right and up; 0 for a pinhole.
+    /// Nothing for a pinhole.
     lens: Option<Lens>,
 }
 
@@ -35,23 +36,15 @@ static SCHEMA: Schema = Schema {
     kind: "camera",
     category: Category::Camera,
     summary: "a perspective camera, with a pinhole or a lens",
-    doc: "Looks from `eye` at `look_at`. `fov` is the vertical field of view. With `aperture` above 0 things\n\
-          at the distance `focus` are sharp and others blurred (Cook, Porter and Carpenter, \"Distributed Ray\n\
-          Tracing\", SIGGRAPH 1984).",
+    doc: "Looks from `eye` at `look_at`. `fov` is the vertical field of view; a wider picture shows more to the\n\
+          sides. With `aperture` above 0 things at the distance `focus` are sharp and others blurred (Cook, Porter\n\
+          and Carpenter, \"Distributed Ray Tracing\", SIGGRAPH 1984): a point at the distance d becomes a disc as\n\
+          wide as the lens would look from there, `aperture x |d - focus| / focus` at the distance d. Ask for many\n\
+          samples a pixel.",
     params: &[
-        Param::new("eye", Type::Vec3, Default::Vec3([0.0, 0.0, 0.0]), "Where it stands."),
-        Param::new(
-            "look_at",
-            Type::Vec3,
-            Default::Vec3([0.0, 0.0, -1.0]),
-            "The point in the middle of the picture.",
-        ),
-        Param::new(
-            "up",
-            Type::Direction,
-            Default::Absent,
-            "Which way is up in the picture; the scene's up if absent.",
-        ),
+        EYE,
+        LOOK_AT,
+        UP,
         Param::new(
             "fov",
             Type::Number { min: 1e-3, max: 179.0 },
@@ -62,13 +55,13 @@ static SCHEMA: Schema = Schema {
             "aperture",
             Type::NON_NEGATIVE,
             Default::Number(0.0),
-            "Diameter of the lens; 0 is a pinhole.",
+            "Diameter of the lens in units of the scene; 0 is a pinhole.",
         ),
         Param::new(
             "focus",
             Type::Positive,
             Default::Absent,
-            "Distance of the plane in focus; that of `look_at` if absent.",
+            "Distance of the plane in focus, along the line of sight; that of `look_at` if absent.",
         ),
     ],
     example: "",
@@ -78,31 +71,18 @@ impl Camera for Perspective {
     const SCHEMA: &'static Schema = &SCHEMA;
 
     fn from_args(args: &Args, root: &Root, aspect: f64) -> Result<Self, Diagnostic> {
-        let eye = DVec3::from(args.vec3("eye")?);
-        let way = DVec3::from(args.vec3("look_at")?) - eye;
-        let Some(forward) = normalize(way) else {
-            return Err(args
-                .error("look_at", "degenerate-camera", "look_at of camera: the same point as eye")
-                .help("write the point that should be in the middle of the picture"));
-        };
-        let up = if args.is_written("up") { args.vec3("up")?.into() } else { root.up() };
-        let Some(right) = normalize(forward.cross(up)) else {
-            return Err(args
-                .error("up", "degenerate-camera", "up of camera: it points along the line of sight")
-                .help("write another up, such as up = (0, 0, -1) for a camera that looks straight down"));
-        };
+        let frame = Frame::from_args(args, root)?;
         let half = tan(args.number("fov")?.to_radians() * 0.5);
-        let up = right.cross(forward);
         let radius = args.number("aperture")? * 0.5;
-        let focus = args.optional_number("focus")?.unwrap_or(way.length());
+        let focus = args.optional_number("focus")?.unwrap_or(frame.distance);
         Ok(Self {
-            eye: root.point(eye),
-            forward: root.vector(forward),
-            right: root.vector(right * (half * aspect)),
-            up: root.vector(up * half),
+            eye: root.point(frame.eye),
+            forward: root.vector(frame.forward),
+            right: root.vector(frame.right * (half * aspect)),
+            up: root.vector(frame.up * half),
             lens: (radius > 0.0).then(|| Lens {
-                right: root.vector(right * radius),
-                up: root.vector(up * radius),
+                right: root.vector(frame.right * radius),
+                up: root.vector(frame.up * radius),
                 focus,
             }),
         })
@@ -123,5 +103,142 @@ impl Camera for Perspective {
 
     fn has_lens(&self) -> bool {
         self.lens.is_some()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::testing::build;
+    use crate::setting::testing::{plain_root, scaled_root};
+    use dioptric_math::DAffine3;
+    use dioptric_scene::Value;
+
+    const CENTER: [f64; 2] = [0.5; 2];
+
+    /// SCENE.md: the image plane is 20 x 20 at the distance 40.
+    #[test]
+    fn the_corners_of_the_report_s_picture() {
+        let fov = 2.0 * dioptric_math::atan(10.0 / 40.0).to_degrees();
+        let camera =
+            build::<Perspective>(&[("fov", Value::Number(fov))], &plain_root(), 1.0).unwrap();
+        for (x, y, to) in [
+            (0.0, 0.0, DVec3::new(-10.0, 10.0, -40.0)),
+            (1.0, 0.0, DVec3::new(10.0, 10.0, -40.0)),
+            (1.0, 1.0, DVec3::new(10.0, -10.0, -40.0)),
+            (0.5, 0.5, DVec3::new(0.0, 0.0, -40.0)),
+        ] {
+            let ray = camera.ray(x, y, CENTER).unwrap();
+            assert_eq!(ray.origin, DVec3::ZERO);
+            assert!((ray.direction - to.normalize()).length() < 1e-15, "{x} {y}");
+        }
+    }
+
+    #[test]
+    fn fov_is_vertical_and_the_middle_is_looked_at() {
+        let arguments = [
+            ("eye", Value::Vec3([1.0, 2.0, 3.0])),
+            ("look_at", Value::Vec3([-4.0, 0.0, 1.0])),
+            ("fov", Value::Number(60.0)),
+        ];
+        for aspect in [0.5, 1.0, 2.5] {
+            let camera = build::<Perspective>(&arguments, &plain_root(), aspect).unwrap();
+            let at = |x, y| camera.ray(x, y, CENTER).unwrap().direction;
+            let way = DVec3::new(-5.0, -2.0, -2.0).normalize();
+            assert!((at(0.5, 0.5) - way).length() < 1e-15);
+            assert!((at(0.5, 0.0).dot(at(0.5, 1.0)) - 0.5).abs() < 1e-12, "60 degrees");
+            let half_width = dioptric_math::acos(at(0.0, 0.5).dot(way));
+            let expected = dioptric_math::atan(aspect * dioptric_math::tan(30f64.to_radians()));
+            assert!((half_width - expected).abs() < 1e-12, "{aspect}");
+            // Up in the picture is up in the scene, right is to the right.
+            assert!(at(0.5, 0.0).y > at(0.5, 1.0).y);
+            assert!(way.cross(DVec3::Y).dot(at(1.0, 0.5) - at(0.0, 0.5)) > 0.0);
+        }
+    }
+
+    #[test]
+    fn rays_through_the_lens_meet_in_the_plane_in_focus() {
+        let arguments = [
+            ("eye", Value::Vec3([0.0, 1.0, 5.0])),
+            ("look_at", Value::Vec3([0.0, 1.0, 0.0])),
+            ("aperture", Value::Number(0.5)),
+            ("focus", Value::Number(8.0)),
+        ];
+        for scale in [1e-6, 1.0, 1e6] {
+            let camera = build::<Perspective>(&arguments, &scaled_root(scale), 1.5).unwrap();
+            assert!(camera.has_lens());
+            let mut widest = 0.0_f64;
+            for (x, y) in [(0.5, 0.5), (0.1, 0.9)] {
+                let meet = |lens| {
+                    let ray = camera.ray(x, y, lens).unwrap();
+                    // The plane z = 5 - 8 of the file.
+                    ray.at((-3.0 * scale - ray.origin.z) / ray.direction.z) / scale
+                };
+                let first = meet(CENTER);
+                for i in 0..25 {
+                    let lens = [f64::from(i % 5) / 5.0, f64::from(i / 5) / 5.0];
+                    assert!((meet(lens) - first).length() < 1e-9, "{scale}");
+                    let origin = camera.ray(x, y, lens).unwrap().origin / scale;
+                    widest = widest.max((origin - DVec3::new(0.0, 1.0, 5.0)).length());
+                }
+            }
+            assert!(widest <= 0.25 + 1e-9 && widest > 0.24, "radius of the lens: {widest}");
+        }
+    }
+
+    /// What is seen of a point does not depend on the root: its ray goes through the carried point.
+    #[test]
+    fn the_root_carries_camera_and_world_alike() {
+        let arguments = [("eye", Value::Vec3([1.0, 2.0, 3.0])), ("look_at", Value::Vec3([0.0; 3]))];
+        let plain = build::<Perspective>(&arguments, &plain_root(), 1.3).unwrap();
+        let shear = DAffine3::from_mat3(dioptric_math::DMat3::from_cols(
+            DVec3::new(-2.0, 0.1, 0.0),
+            DVec3::new(0.5, 1.0, 0.2),
+            DVec3::new(0.0, -0.3, 3.0),
+        ));
+        let root = Root::new(shear, DVec3::Y).unwrap();
+        assert!(root.transform().is_mirror());
+        let carried = build::<Perspective>(&arguments, &root, 1.3).unwrap();
+        let seen = plain.ray(0.2, 0.7, CENTER).unwrap().at(4.0);
+        let ray = carried.ray(0.2, 0.7, CENTER).unwrap();
+        let way = (root.point(seen) - ray.origin).normalize();
+        assert!((ray.direction - way).length() < 1e-12);
+        assert!((ray.direction.length() - 1.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn up_is_the_scene_s() {
+        let z_up = Root::new(DAffine3::IDENTITY, DVec3::Z).unwrap();
+        let arguments =
+            [("eye", Value::Vec3([0.0, -5.0, 1.0])), ("look_at", Value::Vec3([0.0, 0.0, 1.0]))];
+        let camera = build::<Perspective>(&arguments, &z_up, 1.0).unwrap();
+        let top = camera.ray(0.5, 0.0, CENTER).unwrap().direction;
+        assert!(top.z > 0.3 && top.x.abs() < 1e-15);
+        let right = camera.ray(1.0, 0.5, CENTER).unwrap().direction;
+        assert!(right.x > 0.3 && right.z.abs() < 1e-15);
+    }
+
+    #[test]
+    fn cameras_that_see_nothing_are_refused() {
+        let message = |arguments: &[(&str, Value)]| {
+            build::<Perspective>(arguments, &plain_root(), 1.0).unwrap_err().message
+        };
+        assert_eq!(
+            message(&[("eye", Value::Vec3([0.0, 0.0, -1.0]))]),
+            "look_at of camera: the same point as eye"
+        );
+        let down = ("look_at", Value::Vec3([1e-13, -3.0, 0.0]));
+        assert_eq!(
+            message(std::slice::from_ref(&down)),
+            "up of camera: it points along the line of sight"
+        );
+        assert!(
+            build::<Perspective>(
+                &[down, ("up", Value::Vec3([0.0, 0.0, -1e-9]))],
+                &plain_root(),
+                1.0
+            )
+            .is_ok()
+        );
     }
 }

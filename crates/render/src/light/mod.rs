@@ -7,7 +7,10 @@ use dioptric_scene::{Args, Diagnostic, Schema};
 use crate::build::Builder;
 use crate::setting::root::Root;
 
+pub mod area;
 pub mod directional;
+pub mod disc;
+mod panel;
 pub mod point;
 mod shared;
 pub mod spot;
@@ -90,4 +93,6 @@ registry! {
     Point(point::Point),
     Directional(directional::Directional),
     Spot(spot::Spot),
+    Area(area::Area),
+    Disc(disc::Disc),
 }

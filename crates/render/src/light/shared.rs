@@ -180,12 +180,7 @@ impl Ball {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Points in the middles of an n x n grid.
-    fn grid(n: u32) -> impl Iterator<Item = [f64; 2]> {
-        let at = move |i: u32| (f64::from(i) + 0.5) / f64::from(n);
-        (0..n * n).map(move |i| [at(i % n), at(i / n)])
-    }
+    use crate::light::testing::grid;
 
     #[test]
     fn cones_are_covered_evenly() {

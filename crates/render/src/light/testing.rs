@@ -14,3 +14,9 @@ pub(crate) fn build<L: Light>(arguments: &[(&str, Value)], root: &Root) -> Resul
         L::from_args(args, builder, root)
     })
 }
+
+/// The middles of the cells of an n x n grid in the unit square.
+pub(crate) fn grid(n: u32) -> impl Iterator<Item = [f64; 2]> {
+    let at = move |i: u32| (f64::from(i) + 0.5) / f64::from(n);
+    (0..n * n).map(move |i| [at(i % n), at(i / n)])
+}

@@ -8,6 +8,8 @@ use crate::build::Builder;
 use crate::input::NumberInput;
 use crate::pattern::PatternPoint;
 
+pub(crate) use shared::absorption;
+
 pub mod clear;
 pub mod glass;
 pub mod glow;

@@ -121,7 +121,7 @@ pub(super) fn unit_color(input: &ColorInput, point: &PatternPoint) -> Spectrum {
 }
 
 /// The coefficients of [`ABSORPTION`].
-pub(super) fn absorption(args: &Args) -> Result<Spectrum, Diagnostic> {
+pub(crate) fn absorption(args: &Args) -> Result<Spectrum, Diagnostic> {
     let coefficients = Spectrum::from(args.vec3("absorption")?);
     if coefficients.min_element() < 0.0 {
         let kind = args.node().schema.kind;

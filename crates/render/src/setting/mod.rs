@@ -6,6 +6,8 @@ use dioptric_scene::Schema;
 pub mod ambient;
 pub mod background;
 pub mod develop;
+pub mod fog;
+pub mod medium;
 pub mod overrides;
 pub mod render;
 pub mod root;
@@ -13,5 +15,12 @@ pub mod root;
 pub(crate) mod testing;
 
 /// The schemas of all settings.
-pub static SCHEMAS: &[&Schema] =
-    &[&ambient::SCHEMA, &background::SCHEMA, &develop::SCHEMA, &render::SCHEMA, &root::SCHEMA];
+pub static SCHEMAS: &[&Schema] = &[
+    &ambient::SCHEMA,
+    &background::SCHEMA,
+    &develop::SCHEMA,
+    &fog::SCHEMA,
+    &medium::SCHEMA,
+    &render::SCHEMA,
+    &root::SCHEMA,
+];
