@@ -5,14 +5,16 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use dioptric_image::{ErrorKind, ImageError};
 use dioptric_math::Spectrum;
-use dioptric_scene::{Args, Description, Diagnostic, NodeId, Value, color};
+use dioptric_scene::{Args, Description, Diagnostic, Loader, NodeId, Value, color};
 
 use crate::input::{ColorInput, NumberInput};
 use crate::pattern::AnyPattern;
+use crate::texture::{MAX_TEXELS, Texture};
 
 /// How colours in the scene's text and its pictures are to be read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum ColorReading {
     /// As sRGB values, decoded to linear light.
     #[default]
@@ -44,28 +46,67 @@ pub struct Builder<'a> {
     pub description: &'a Description,
     /// How colours are read.
     pub reading: ColorReading,
-    patterns: HashMap<NodeId, Arc<AnyPattern>>,
+    /// What went well but deserves a word.
+    pub warnings: Vec<Diagnostic>,
+    /// How many texels pictures may still have.
+    pub texels_left: u64,
+    loader: &'a dyn Loader,
+    patterns: HashMap<(NodeId, ColorReading), Arc<AnyPattern>>,
+    textures: HashMap<Arc<str>, Arc<Texture>>,
 }
 
 impl<'a> Builder<'a> {
-    /// A builder with nothing built yet.
+    /// A builder with nothing built yet; pictures come from `loader`.
     #[must_use]
-    pub fn new(description: &'a Description, reading: ColorReading) -> Self {
-        Self { description, reading, patterns: HashMap::new() }
+    pub fn new(
+        description: &'a Description,
+        reading: ColorReading,
+        loader: &'a dyn Loader,
+    ) -> Self {
+        Self {
+            description,
+            reading,
+            warnings: Vec::new(),
+            texels_left: MAX_TEXELS,
+            loader,
+            patterns: HashMap::new(),
+            textures: HashMap::new(),
+        }
     }
 
-    /// The pattern of a node, built once and shared.
+    /// The pattern of a node, built once for colours and once for numbers, and shared.
     ///
     /// # Errors
     /// Its arguments are wrong.
     pub fn pattern(&mut self, id: NodeId) -> Result<Arc<AnyPattern>, Diagnostic> {
-        if let Some(done) = self.patterns.get(&id) {
+        let key = (id, self.reading);
+        if let Some(done) = self.patterns.get(&key) {
             return Ok(done.clone());
         }
         // Nodes refer only to earlier nodes, so this recursion ends; readers bound its depth.
         let built = Arc::new(AnyPattern::from_args(&Args::new(self.description, id), self)?);
-        self.patterns.insert(id, built.clone());
+        self.patterns.insert(key, built.clone());
         Ok(built)
+    }
+
+    /// The picture that a file argument names, read once and shared.
+    ///
+    /// # Errors
+    /// The file cannot be read, is no picture, is damaged or too large.
+    pub fn texture(&mut self, args: &Args, name: &str) -> Result<Arc<Texture>, Diagnostic> {
+        let path = args.text(name)?;
+        if let Some(done) = self.textures.get(&path) {
+            return Ok(done.clone());
+        }
+        let place = args.description.argument_span(args.id, name);
+        let bytes = self.loader.read(&path).map_err(|why| why.diagnostic().at(place, ""))?;
+        let texture = Texture::from_bytes(&bytes, &path, self.texels_left)
+            .map_err(|why| picture_error(&why).at(place, ""))?;
+        self.texels_left -=
+            (texture.width() as u64 * texture.height() as u64).min(self.texels_left);
+        let texture = Arc::new(texture);
+        self.textures.insert(path, texture.clone());
+        Ok(texture)
     }
 
     /// A colour argument: constant or pattern.
@@ -79,13 +120,18 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// A number argument: constant or pattern.
+    /// A number argument: constant or pattern. Nothing in the pattern is decoded: its numbers are data.
     ///
     /// # Errors
     /// It is missing or wrong.
     pub fn number(&mut self, args: &Args, name: &str) -> Result<NumberInput, Diagnostic> {
         match args.value(name)? {
-            Some(Value::Node(id)) => Ok(NumberInput::Pattern(self.pattern(id)?)),
+            Some(Value::Node(id)) => {
+                let reading = std::mem::replace(&mut self.reading, ColorReading::Raw);
+                let pattern = self.pattern(id);
+                self.reading = reading;
+                Ok(NumberInput::Pattern(pattern?))
+            }
             _ => args.number(name).map(NumberInput::Constant),
         }
     }
@@ -116,4 +162,14 @@ impl<'a> Builder<'a> {
             },
         }
     }
+}
+
+/// What is wrong with a picture, as a message about the scene.
+fn picture_error(why: &ImageError) -> Diagnostic {
+    let code = match why.kind {
+        ErrorKind::Corrupt => "picture-damaged",
+        ErrorKind::TooLarge => "picture-too-large",
+        _ => "picture-unknown",
+    };
+    Diagnostic::error(code, why.message.clone()).help(why.help.clone())
 }

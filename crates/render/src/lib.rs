@@ -27,6 +27,7 @@ pub mod sampling;
 pub mod scene;
 pub mod setting;
 pub mod stats;
+pub mod texture;
 pub mod vocabulary;
 pub mod why;
 

@@ -13,7 +13,9 @@ pub mod crackle;
 pub mod dots;
 pub mod gradient;
 pub mod hexagons;
+pub mod image;
 pub mod lattice;
+mod mapping;
 pub mod marble;
 pub mod mix;
 pub mod multiply;
@@ -25,6 +27,7 @@ pub mod solid;
 pub mod stripes;
 #[cfg(test)]
 pub(crate) mod testing;
+pub mod transformed;
 pub mod turbulence;
 pub mod wood;
 
@@ -136,6 +139,7 @@ registry! {
     Dots(dots::Dots),
     Gradient(gradient::Gradient),
     Hexagons(hexagons::Hexagons),
+    Image(image::Image),
     Lattice(lattice::Lattice),
     Marble(marble::Marble),
     Mix(mix::Mix),
@@ -144,6 +148,7 @@ registry! {
     Ramp(ramp::Ramp),
     Solid(solid::Solid),
     Stripes(stripes::Stripes),
+    Transformed(transformed::Transformed),
     Turbulence(turbulence::Turbulence),
     Wood(wood::Wood),
 }

@@ -3,15 +3,26 @@
 
 use dioptric_math::{DVec2, DVec3, Spectrum};
 use dioptric_scene::args::make_node;
-use dioptric_scene::{Args, Description, Diagnostic, NodeId, Value};
+use dioptric_scene::{Args, Description, Diagnostic, MemoryLoader, NodeId, Value};
 
 use super::{AnyPattern, PatternPoint, SCHEMAS};
 use crate::build::{Builder, ColorReading};
 
-/// A scene that patterns are added to, with raw colours.
-#[derive(Default)]
+/// A scene that patterns are added to, with raw colours unless `reading` says otherwise.
 pub(crate) struct Bench {
     pub(crate) scene: Description,
+    pub(crate) reading: ColorReading,
+    pub(crate) files: MemoryLoader,
+}
+
+impl Default for Bench {
+    fn default() -> Self {
+        Self {
+            scene: Description::default(),
+            reading: ColorReading::Raw,
+            files: MemoryLoader::new(),
+        }
+    }
 }
 
 impl Bench {
@@ -21,9 +32,20 @@ impl Bench {
         self.scene.push(make_node(schema, args).expect(kind))
     }
 
+    /// Adds a transform.
+    pub(crate) fn transform(&mut self, kind: &str, args: &[(&str, Value)]) -> NodeId {
+        let schema = dioptric_geometry::TRANSFORM_SCHEMAS.iter().find(|s| s.kind == kind);
+        self.scene.push(make_node(schema.expect(kind), args).expect(kind))
+    }
+
+    /// A builder of this scene.
+    pub(crate) fn builder(&self) -> Builder<'_> {
+        Builder::new(&self.scene, self.reading, &self.files)
+    }
+
     /// Builds the pattern of a node.
     pub(crate) fn build(&self, id: NodeId) -> Result<AnyPattern, Diagnostic> {
-        let mut builder = Builder::new(&self.scene, ColorReading::Raw);
+        let mut builder = self.builder();
         AnyPattern::from_args(&Args::new(&self.scene, id), &mut builder)
     }
 }
