@@ -46,8 +46,6 @@ pub struct Builder<'a> {
     pub description: &'a Description,
     /// How colours are read.
     pub reading: ColorReading,
-    /// What went well but deserves a word.
-    pub warnings: Vec<Diagnostic>,
     /// How many texels pictures may still have.
     pub texels_left: u64,
     loader: &'a dyn Loader,
@@ -66,7 +64,6 @@ impl<'a> Builder<'a> {
         Self {
             description,
             reading,
-            warnings: Vec::new(),
             texels_left: MAX_TEXELS,
             loader,
             patterns: HashMap::new(),

@@ -50,7 +50,7 @@ impl Default for Options {
 /// Everything that is wrong with it, as far as one error does not hide another.
 pub fn compile(
     description: &Arc<Description>,
-    _loader: &dyn Loader,
+    loader: &dyn Loader,
     options: &Options,
 ) -> Result<(Scene, Vec<Diagnostic>), Vec<Diagnostic>> {
     let d: &Description = description;
@@ -59,7 +59,7 @@ pub fn compile(
 
     // How the file is to be read comes first: every colour and position depends on it.
     let (reading, root) = settings::root(d).map_err(|e| vec![e])?;
-    let mut builder = Builder::new(d, reading);
+    let mut builder = Builder::new(d, reading, loader);
     let settings = RenderSettings::from_scene(d, &borrowed(&options.render), options.max_pixels)
         .map_err(|e| vec![e])?;
     let develop =
