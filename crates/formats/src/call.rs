@@ -6,8 +6,9 @@
 
 use std::sync::Arc;
 
+use dioptric_scene::check::{Mismatch, check};
 use dioptric_scene::{
-    Default, Diagnostic, Node, NodeId, Param, Schema, Span, StackId, Value, args, suggest,
+    Default, Diagnostic, Node, NodeId, Param, Schema, Span, StackId, Value, suggest,
 };
 
 use crate::build::Build;
@@ -34,7 +35,7 @@ pub(crate) struct Call {
 enum Problem {
     Unknown(Box<str>),
     Twice(&'static str),
-    Value(&'static str, String),
+    Value(&'static str, Mismatch),
 }
 
 impl Kind {
@@ -60,8 +61,8 @@ impl Kind {
         match value {
             Ok(value) => call.args.push((index as u16, value)),
             Err(got) => {
-                let why = format!("expected {}, got {got}", param.ty.describe());
-                call.problems.push(Problem::Value(param.name, why));
+                let message = format!("expected {}, got {got}", param.ty.describe());
+                call.problems.push(Problem::Value(param.name, Mismatch { message, help: None }));
             }
         }
     }
@@ -77,7 +78,7 @@ impl Kind {
         let Call { args, problems, .. } = &mut call;
         args.retain(|(i, value)| {
             let Some(param) = self.params.get(usize::from(*i)) else { return false };
-            let result = args::check(&build.description, param, value);
+            let result = check(&build.description, param, value);
             if let Err(why) = &result {
                 problems.push(Problem::Value(param.name, why.clone()));
             }
@@ -143,8 +144,10 @@ impl Kind {
                 }
                 Problem::Value(name, why) => {
                     mentioned.push(name);
-                    Diagnostic::error("wrong-value", format!("{name} of {kind}: {why}"))
-                        .at(scene.argument_span(id, name), "")
+                    let message = format!("{name} of {kind}: {}", why.message);
+                    let error = Diagnostic::error("wrong-value", message)
+                        .at(scene.argument_span(id, name), "");
+                    Diagnostic { help: why.help, ..error }
                 }
             });
         }

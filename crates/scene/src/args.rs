@@ -5,10 +5,11 @@
 //! and return a [`Diagnostic`] with the argument's place, so no caller can panic on a description
 //! that a program made.
 
+pub use crate::check::{check, matrix_numbers};
 use crate::color;
 use crate::description::{Description, Node, NodeId};
 use crate::diagnostic::Diagnostic;
-use crate::schema::{Category, Default, Param, Schema, Type};
+use crate::schema::{Default, Schema};
 use crate::source::Span;
 use crate::value::Value;
 
@@ -64,7 +65,8 @@ impl<'a> Args<'a> {
         };
         if let Some(value) = node.arg(name) {
             check(self.description, param, value).map_err(|why| {
-                self.error(name, "wrong-value", format!("{name} of {kind}: {why}"))
+                let message = format!("{name} of {kind}: {}", why.message);
+                Diagnostic { help: why.help, ..self.error(name, "wrong-value", message) }
             })?;
             return Ok(Some(value.clone()));
         }
@@ -220,209 +222,6 @@ impl<'a> Args<'a> {
     }
 }
 
-/// Checks a value against a parameter's type.
-///
-/// # Errors
-/// What was expected and what was found, such as `expected a number above 0, got 0`.
-pub fn check(description: &Description, param: &Param, value: &Value) -> Result<(), String> {
-    check_type(description, &param.ty, value)
-}
-
-fn check_type(description: &Description, ty: &Type, value: &Value) -> Result<(), String> {
-    let expected = |got: String| Err(format!("expected {}, got {got}", ty.describe()));
-    let in_range = |x: f64, min: f64, max: f64| x.is_finite() && x >= min && x <= max;
-    let kind_of = |value: &Value| match value {
-        Value::Node(id) => describe_node(description.node(*id).schema),
-        Value::Number(x) => x.to_string(),
-        Value::Text(t) => format!("\"{t}\""),
-        Value::Bool(b) => if *b { "True" } else { "False" }.into(),
-        Value::Vec2(v) => format!("({}, {})", v[0], v[1]),
-        Value::Vec3(v) => format!("({}, {}, {})", v[0], v[1], v[2]),
-        Value::List(items) => format!("a list of {}", items.len()),
-    };
-    let ok = match (ty, value) {
-        (Type::Bool, Value::Bool(_)) | (Type::Text | Type::File, Value::Text(_)) => true,
-        (Type::Integer { min, max }, Value::Number(x)) => {
-            x.trunc() == *x && in_range(*x, *min as f64, *max as f64)
-        }
-        (Type::Number { min, max } | Type::NumberPattern { min, max }, Value::Number(x)) => {
-            in_range(*x, *min, *max)
-        }
-        (Type::Positive, Value::Number(x)) => in_range(*x, f64::MIN_POSITIVE, f64::INFINITY),
-        (Type::Choice(words), Value::Text(t)) => {
-            if words.contains(&&**t) {
-                true
-            } else {
-                let hint = crate::suggest::nearest(t, words.iter().copied())
-                    .map(|w| format!(" (did you mean \"{w}\"?)"))
-                    .unwrap_or_default();
-                return expected(format!("\"{t}\"{hint}"));
-            }
-        }
-        (Type::Vec2, Value::Vec2(v)) => v.iter().all(|x| x.is_finite()),
-        (Type::Vec3 | Type::Scale, Value::Vec3(v)) => v.iter().all(|x| x.is_finite()),
-        (Type::Direction, Value::Vec3(v)) => {
-            v.iter().all(|x| x.is_finite()) && v.iter().any(|&x| x != 0.0)
-        }
-        (Type::Scale, Value::Number(x)) => x.is_finite(),
-        (Type::Matrix, _) => matrix_numbers(value).is_some(),
-        (Type::ColorPattern | Type::NumberPattern { .. }, Value::Node(id)) => {
-            description.node(*id).schema.category == Category::Pattern
-        }
-        (Type::Color | Type::ColorPattern, _) => match color::from_value(value) {
-            Ok(_) => true,
-            Err(why) => return Err(format!("{} ({})", why.message, why.help)),
-        },
-        (Type::Node(category), Value::Node(id)) => {
-            description.node(*id).schema.category == *category
-        }
-        (Type::List(item), _) => {
-            for (i, part) in value.items().iter().enumerate() {
-                check_type(description, item, part)
-                    .map_err(|why| format!("item {}: {why}", i + 1))?;
-            }
-            true
-        }
-        (Type::Pair(first, second), _) => match value.items().as_slice() {
-            [a, b] => {
-                check_type(description, first, a)?;
-                check_type(description, second, b)?;
-                true
-            }
-            _ => false,
-        },
-        _ => false,
-    };
-    if ok { Ok(()) } else { expected(kind_of(value)) }
-}
-
-fn describe_node(schema: &Schema) -> String {
-    format!("the {} {}", schema.category.name(), schema.kind)
-}
-
-/// The numbers of a matrix value, row by row: 9 (3x3), 12 (3x4) or 16 (4x4, last row 0 0 0 1).
-#[must_use]
-pub fn matrix_numbers(value: &Value) -> Option<Vec<f64>> {
-    let mut numbers = Vec::new();
-    for item in value.items() {
-        for part in item.items() {
-            match part {
-                Value::Number(x) if x.is_finite() => numbers.push(x),
-                _ => return None,
-            }
-        }
-    }
-    matches!(numbers.len(), 9 | 12 | 16).then_some(numbers)
-}
-
-/// Bytes `[start, end)` of a text.
-type Run = (usize, usize);
-
-/// One argument in the text of a call.
-pub(crate) struct Part {
-    /// Its name, where it is written.
-    pub key: Option<Run>,
-    /// Its value.
-    pub value: Run,
-}
-
-/// Finds the arguments in the text of a call, `sphere(center = (0, 0, 0), radius = 1)`, or of the
-/// JSON `{"kind": "sphere", "radius": 1}`. A lexical scan that knows strings, comments and brackets,
-/// nothing more; empty where the text is no call.
-pub(crate) fn find_parts(text: &str) -> Vec<Part> {
-    let Some(open) = text.find(['(', '{']) else { return Vec::new() };
-    let mut pieces: Vec<Run> = Vec::new();
-    let (mut depth, mut start) = (0usize, open + 1);
-    let bytes = text.as_bytes();
-    let mut i = open;
-    while i < bytes.len() {
-        match bytes[i] {
-            b'(' | b'[' | b'{' => depth += 1,
-            b')' | b']' | b'}' => {
-                depth = depth.saturating_sub(1);
-                if depth == 0 {
-                    pieces.push((start, i));
-                    break;
-                }
-            }
-            b',' if depth == 1 => {
-                pieces.push((start, i));
-                start = i + 1;
-            }
-            quote @ (b'"' | b'\'') => {
-                i += 1;
-                while i < bytes.len() && bytes[i] != quote {
-                    i += if bytes[i] == b'\\' { 2 } else { 1 };
-                }
-            }
-            b'#' if bytes[open] == b'(' => {
-                while i < bytes.len() && bytes[i] != b'\n' {
-                    i += 1;
-                }
-            }
-            _ => {}
-        }
-        i += 1;
-    }
-    if depth != 0 {
-        return Vec::new();
-    }
-    let mut parts = Vec::new();
-    for (start, end) in pieces.into_iter().map(|piece| trim(bytes, piece)) {
-        let Some(piece) = text.get(start..end).filter(|piece| !piece.is_empty()) else { continue };
-        parts.push(match split_key(piece) {
-            Some((key, value)) => Part {
-                key: Some((start + key.0, start + key.1)),
-                value: trim(bytes, (start + value, end)),
-            },
-            None => Part { key: None, value: (start, end) },
-        });
-    }
-    parts
-}
-
-/// Leaves out white space and comments at both ends.
-fn trim(bytes: &[u8], (mut start, mut end): Run) -> Run {
-    while start < end && (bytes[start].is_ascii_whitespace() || bytes[start] == b'#') {
-        if bytes[start] == b'#' {
-            while start < end && bytes[start] != b'\n' {
-                start += 1;
-            }
-        } else {
-            start += 1;
-        }
-    }
-    while start < end && bytes[end - 1].is_ascii_whitespace() {
-        end -= 1;
-    }
-    (start, end)
-}
-
-/// The value of one argument in the text of a call; positional arguments count in the schema's order.
-pub(crate) fn find_argument(text: &str, name: &str, schema: &Schema) -> Option<Run> {
-    let (position, _) = schema.param(name)?;
-    let parts = find_parts(text);
-    let named = parts.iter().find(|p| p.key.is_some_and(|(s, e)| &text[s..e] == name));
-    let value = match named {
-        Some(part) => part.value,
-        None => parts.iter().filter(|p| p.key.is_none()).nth(position)?.value,
-    };
-    Some(value)
-}
-
-/// `radius = 1` or `"radius": 1`: where the key is and where the value begins.
-fn split_key(piece: &str) -> Option<(Run, usize)> {
-    let quoted = piece.starts_with('"');
-    let start = usize::from(quoted);
-    let rest = &piece[start..];
-    let length = rest.find(|c: char| !(c.is_alphanumeric() || c == '_'))?;
-    let after = &rest[length..];
-    let after = if quoted { after.strip_prefix('"')? } else { after };
-    let value = after.trim_start().strip_prefix(if quoted { ':' } else { '=' })?;
-    (length > 0 && !value.starts_with('='))
-        .then_some(((start, start + length), piece.len() - value.len()))
-}
-
 /// Convenience for tests and programs: a node without a place.
 #[must_use]
 pub fn make_node(schema: &'static Schema, args: &[(&str, Value)]) -> Option<Node> {
@@ -441,6 +240,7 @@ pub fn make_node(schema: &'static Schema, args: &[(&str, Value)]) -> Option<Node
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::schema::{Category, Param, Type};
 
     static BALL: Schema = Schema {
         kind: "ball",
@@ -454,27 +254,6 @@ mod tests {
         example: "",
     };
 
-    fn found<'a>(text: &'a str, name: &str) -> Option<&'a str> {
-        find_argument(text, name, &BALL).map(|(s, e)| &text[s..e])
-    }
-
-    #[test]
-    fn arguments_are_found_in_the_text_of_a_call() {
-        assert_eq!(found("ball((1, 2, 3), radius = 0.5)", "center"), Some("(1, 2, 3)"));
-        assert_eq!(found("ball((1, 2, 3), radius = 0.5)", "radius"), Some("0.5"));
-        assert_eq!(found("ball((1, 2, 3), 7 )", "radius"), Some("7"));
-        assert_eq!(found("ball(name = \"a, radius = 3\", radius=-1)", "radius"), Some("-1"));
-        assert_eq!(found("ball( # radius = 1,\n radius = 2)", "radius"), Some("2"));
-        assert_eq!(found(r#"{"kind": "ball", "radius": [1]}"#, "radius"), Some("[1]"));
-        assert_eq!(found("ball(", "radius"), None);
-        assert_eq!(found("ball(center = f(radius = 1))", "radius"), None);
-        assert_eq!(found("ball(1 == 1, x = 2)", "center"), Some("1 == 1"));
-        let text = "ball(1, raduis = 2)";
-        let keys: Vec<_> =
-            find_parts(text).iter().map(|p| p.key.map(|(s, e)| &text[s..e])).collect();
-        assert_eq!(keys, [None, Some("raduis")]);
-    }
-
     #[test]
     fn wrong_values_say_what_was_expected() {
         let mut scene = Description::default();
@@ -487,21 +266,6 @@ mod tests {
         assert_eq!(
             args.vec3("center").unwrap_err().message,
             "ball needs center, three numbers (x, y, z)"
-        );
-        assert!(check_type(&scene, &Type::UNIT, &Value::Number(f64::NAN)).is_err());
-        assert_eq!(
-            check_type(&scene, &Type::Choice(&["phong", "blinn"]), &Value::Text("pong".into()))
-                .unwrap_err(),
-            "expected one of \"phong\", \"blinn\", got \"pong\" (did you mean \"phong\"?)"
-        );
-        let stops = Type::List(&Type::Pair(&Type::NUMBER, &Type::ColorPattern));
-        let stop = |color: Value| Value::from_items(vec![Value::Number(0.5), color]);
-        let good = [Value::Number(1.0), Value::Text("red".into()), Value::Vec3([0.0; 3])];
-        let good = Value::from_items(good.map(stop).into());
-        assert_eq!(check_type(&scene, &stops, &good), Ok(()));
-        assert_eq!(
-            check_type(&scene, &stops, &stop(Value::Text("red".into()))).unwrap_err(),
-            "item 1: expected a pair (a number, a colour or a pattern), got 0.5"
         );
     }
 }

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use crate::args;
+use crate::locate;
 use crate::schema::Schema;
 use crate::source::{Sources, Span};
 use crate::value::Value;
@@ -108,7 +108,7 @@ impl Description {
     #[must_use]
     pub fn argument_span(&self, id: NodeId, name: &str) -> Span {
         let schema = self.node(id).schema;
-        self.span_in_call(id, |text| args::find_argument(text, name, schema))
+        self.span_in_call(id, |text| locate::find_argument(text, name, schema))
     }
 
     /// The place of an argument's name in the call that made a node, valid name or not; the whole
@@ -116,7 +116,7 @@ impl Description {
     #[must_use]
     pub fn key_span(&self, id: NodeId, key: &str) -> Span {
         self.span_in_call(id, |text| {
-            let mut keys = args::find_parts(text).into_iter().filter_map(|part| part.key);
+            let mut keys = locate::find_parts(text).into_iter().filter_map(|part| part.key);
             keys.find(|&(start, end)| text.get(start..end) == Some(key))
         })
     }
@@ -126,7 +126,7 @@ impl Description {
     #[must_use]
     pub fn positional_span(&self, id: NodeId, index: usize) -> Span {
         self.span_in_call(id, |text| {
-            let parts = args::find_parts(text);
+            let parts = locate::find_parts(text);
             parts.into_iter().filter(|part| part.key.is_none()).nth(index).map(|part| part.value)
         })
     }

@@ -11,10 +11,12 @@
 #![forbid(unsafe_code)]
 
 pub mod args;
+pub mod check;
 pub mod color;
 pub mod description;
 pub mod diagnostic;
 pub mod loader;
+mod locate;
 pub mod schema;
 pub mod source;
 pub mod suggest;

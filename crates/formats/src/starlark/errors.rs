@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Errors of the evaluator in our words, with our places.
 
-use std::collections::{BTreeSet, HashSet};
+use std::collections::HashSet;
 use std::fmt;
 
-use dioptric_scene::{Diagnostic, FileId, Span, suggest};
+use dioptric_scene::{Diagnostic, FileId, Span, Vocabulary, suggest};
 use starlark::ErrorKind;
 use starlark::analysis::AstModuleLint;
 use starlark::environment::Globals;
 use starlark::errors::Frame;
 use starlark::syntax::AstModule;
 
+use super::rephrase;
 use super::state::{State, Stop};
 
 /// One of our own errors on its way through the evaluator. Without a diagnostic: enough errors were
@@ -116,8 +117,8 @@ fn message(error: &starlark::Error, state: &State) -> Option<Diagnostic> {
     };
     match inner.downcast_ref::<Raised>() {
         Some(Raised(diagnostic)) => diagnostic.as_deref().cloned(),
-        None if code == "fail" => Some(Diagnostic::error("fail", inner.to_string())),
-        None => Some(rephrase(Diagnostic::error(code, plain(&inner.to_string())))),
+        None if code == "fail" => Some(Diagnostic::error("fail", inner.to_string().trim())),
+        None => Some(rephrase::rephrase(code, &plain(&inner.to_string()), state)),
     }
 }
 
@@ -143,36 +144,19 @@ fn plain(text: &str) -> String {
     }
 }
 
-/// Adds a remedy to the evaluator's messages that newcomers meet most.
-fn rephrase(diagnostic: Diagnostic) -> Diagnostic {
-    let message = diagnostic.message.as_str();
-    if let Some(rest) = message.strip_prefix("local variable \"")
-        && let Some((name, _)) = rest.split_once("\" referenced before assignment")
-    {
-        return Diagnostic {
-            message: format!("{name} is used before it has a value"),
-            help: Some(format!(
-                "{name} is assigned in this file, which hides any function of that name: \
-                 give the variable another name, or assign it earlier"
-            )),
-            code: "unassigned",
-            ..diagnostic
-        };
-    }
-    diagnostic
-}
-
 /// All names that a file uses and nobody made, with the nearest that there is. `own` are the names
 /// that the file, `file`, makes at top level.
 pub(crate) fn unknown_names(
     ast: &AstModule,
     globals: &Globals,
+    vocabulary: &Vocabulary,
     own: &[String],
     file: FileId,
 ) -> Vec<Diagnostic> {
     let known: HashSet<String> = globals.names().map(|name| name.as_str().to_string()).collect();
-    let mut candidates: BTreeSet<&str> = own.iter().map(String::as_str).collect();
-    candidates.extend(known.iter().map(String::as_str));
+    let kinds = vocabulary.iter().map(|schema| schema.kind);
+    let others = globals.names().map(|name| name.as_str());
+    let candidates: Vec<&str> = own.iter().map(String::as_str).chain(kinds).chain(others).collect();
     let mut found = Vec::new();
     for lint in ast.lint(Some(&known)) {
         if lint.short_name != "using-undefined" {

@@ -21,6 +21,7 @@ struct Session<'a> {
     state: &'a State,
     loader: &'a dyn Loader,
     globals: Globals,
+    vocabulary: &'a Vocabulary,
     /// Files that are loaded, by path.
     modules: RefCell<BTreeMap<String, FrozenModule>>,
     /// Files that are being loaded, outermost first: the scene itself is the first.
@@ -40,6 +41,7 @@ pub(super) fn read_scene(
         state: &state,
         loader,
         globals: super::globals(vocabulary),
+        vocabulary,
         modules: RefCell::default(),
         open: RefCell::new(vec![path.to_string()]),
     };
@@ -141,7 +143,7 @@ impl Session<'_> {
         let Ok(ast) = AstModule::parse(path, text, &DIALECT) else { return error };
         let own: Vec<String> = module.names().map(|name| name.as_str().to_string()).collect();
         let Some(place) = error.span().map(|span| self.state.span(span)) else { return error };
-        let found = errors::unknown_names(&ast, &self.globals, &own, place.file);
+        let found = errors::unknown_names(&ast, &self.globals, self.vocabulary, &own, place.file);
         if found.is_empty() {
             return error;
         }

@@ -26,6 +26,7 @@ mod params;
     reason = "derive(ProvidesStaticType) writes an unsafe impl; there is no other"
 )]
 mod random;
+mod rephrase;
 #[expect(
     unsafe_code,
     reason = "derive(ProvidesStaticType) writes an unsafe impl; there is no other"
