@@ -6,6 +6,8 @@ use dioptric_scene::{Args, Diagnostic, Schema};
 
 use crate::setting::root::Root;
 
+#[cfg(test)]
+mod battery;
 pub mod fisheye;
 mod frame;
 pub mod orthographic;

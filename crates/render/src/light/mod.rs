@@ -8,6 +8,8 @@ use crate::build::Builder;
 use crate::setting::root::Root;
 
 pub mod area;
+#[cfg(test)]
+mod battery;
 pub mod directional;
 pub mod disc;
 mod panel;

@@ -160,6 +160,9 @@ impl Ball {
             let direction = normalize(way)?;
             return Some(BallSample { direction, distance: d, weight: self.falloff.at(d) });
         }
+        if !d.is_finite() {
+            return None;
+        }
         let (r, axis) = (self.radius, normalize(way).unwrap_or(DVec3::Z));
         if d < r {
             let direction = direction_in_cone(axis, 2.0, u);
@@ -173,7 +176,7 @@ impl Ball {
         let off = axis.cross(direction).length() * d;
         let distance = (along - (r * r - off * off).max(0.0).sqrt()).max(0.0);
         let weight = self.falloff.at(d) * facing_weight(spread);
-        distance.is_finite().then_some(BallSample { direction, distance, weight })
+        Some(BallSample { direction, distance, weight })
     }
 }
 

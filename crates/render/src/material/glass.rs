@@ -34,16 +34,16 @@ static SCHEMA: Schema = Schema {
           \"Principles of Optics\", 7th ed., section 1.5.2); the rest is refracted (Snell's law). Where it cannot\n\
           leave it is reflected wholly. Things within things work: the index outside is that of whatever the ray\n\
           is in. Indices: water 1.33, window glass 1.52, flint glass 1.62, diamond 2.42.\n\n\
-          `color` tints light at every crossing of the surface, `absorption` on its way through the inside, so\n\
+          `color` tints light once, where it enters; `absorption` weakens it all the way through the inside, so\n\
           that thick parts are darker. A light's mirror image is its highlight, `specular x light x\n\
-          max(0, n.h)^exponent`. Its tinted shadow is what crosses two surfaces at a right angle, absorption left\n\
-          out: a bright caustic is not found.",
+          max(0, n.h)^exponent`. Its tinted shadow is what crosses two surfaces at a right angle, tinted and\n\
+          absorbed but not bent: bright caustics are not found.",
     params: &[
         Param::new(
             "color",
             Type::ColorPattern,
             Default::Number(1.0),
-            "Tint of what goes through its surface, each lane at most 1.",
+            "Tint of what goes into it, each lane at most 1.",
         ),
         Param::new(
             "ior",
@@ -105,7 +105,7 @@ impl Material for Glass {
                 absorption: self.absorption,
                 roughness,
             },
-            shadow_pass: shadow_pass(self.shadow, transmit * transmit, through * through),
+            shadow_pass: shadow_pass(self.shadow, transmit, through * through),
             ..Finish::matte(Spectrum::ZERO)
         }
     }
@@ -126,8 +126,8 @@ mod tests {
         let glass = build::<Glass>(&[("color", Value::Vec3([1.0, 0.5, 0.0]))]).unwrap();
         let finish = glass.finish(&point());
         assert_eq!((finish.ambient, finish.diffuse), (Spectrum::ZERO, Spectrum::ZERO));
-        // 4 % are lost at each of two surfaces of index 1.5, and the tint counts twice.
-        let expected = Spectrum::new(0.9216, 0.9216 * 0.25, 0.0);
+        // 4 % are lost at each of two surfaces of index 1.5; the tint counts once.
+        let expected = Spectrum::new(0.9216, 0.9216 * 0.5, 0.0);
         assert!((finish.shadow_pass - expected).length() < 1e-12);
     }
 

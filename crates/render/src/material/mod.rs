@@ -10,12 +10,15 @@ use crate::pattern::PatternPoint;
 
 pub(crate) use shared::absorption;
 
+#[cfg(test)]
+mod battery;
 pub mod clear;
 pub mod glass;
 pub mod glow;
 pub mod matte;
 pub mod metal;
 pub mod mirror;
+pub mod patched;
 pub mod phong;
 pub mod plastic;
 mod shared;
@@ -78,9 +81,9 @@ pub enum Optics {
     Dielectric {
         /// Index of refraction.
         ior: f64,
-        /// Multiplies the reflected ray.
+        /// Multiplies the ray that is reflected outside.
         reflect: Spectrum,
-        /// Multiplies the refracted ray.
+        /// Multiplies the ray that is refracted into it.
         transmit: Spectrum,
         /// Absorbed per unit of the file's length inside, per lane.
         absorption: Spectrum,
@@ -204,4 +207,5 @@ registry! {
     Metal(metal::Metal),
     Plastic(plastic::Plastic),
     Glow(glow::Glow),
+    Patched(patched::Patched),
 }
