@@ -15,6 +15,8 @@ use crate::light::AnyLight;
 use crate::material::AnyMaterial;
 use crate::pattern::PatternPoint;
 use crate::setting::background::Background;
+use crate::setting::fog::Fog;
+use crate::setting::medium::Surroundings;
 use crate::setting::render::RenderSettings;
 use crate::setting::root::Root;
 
@@ -57,6 +59,10 @@ pub struct Scene {
     pub ambient: Spectrum,
     /// What is seen where nothing is hit.
     pub background: Background,
+    /// Fog between everything.
+    pub fog: Option<Fog>,
+    /// What fills the space between things.
+    pub surroundings: Surroundings,
     /// The camera.
     pub camera: AnyCamera,
     /// From the file's space to the space of rays.

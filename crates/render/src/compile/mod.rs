@@ -15,6 +15,7 @@ use crate::light::AnyLight;
 use crate::scene::{PlacedLight, Scene};
 use crate::setting::background::Background;
 use crate::setting::develop;
+use crate::setting::medium::Surroundings;
 use crate::setting::render::{MAX_PIXELS, RenderSettings};
 
 /// What a program may ask of a scene beyond its text.
@@ -69,6 +70,9 @@ pub fn compile(
         .map_err(&mut check)
         .unwrap_or(Background::BLACK);
 
+    let fog = settings::fog(d, &builder, &root).map_err(&mut check).unwrap_or_default();
+    let surroundings =
+        settings::surroundings(d, &root).map_err(&mut check).unwrap_or(Surroundings::EMPTY);
     let camera = camera(d, &root, &settings, options).map_err(&mut check).ok();
     let mut lights = Vec::new();
     for id in roots_of(d, Category::Light) {
@@ -95,6 +99,8 @@ pub fn compile(
         lights,
         ambient,
         background,
+        fog,
+        surroundings,
         camera,
         root,
         settings,

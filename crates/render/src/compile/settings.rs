@@ -8,6 +8,8 @@ use dioptric_scene::{Args, Description, Diagnostic, NodeId};
 use crate::build::{Builder, ColorReading};
 use crate::setting::ambient;
 use crate::setting::background::Background;
+use crate::setting::fog::Fog;
+use crate::setting::medium::Surroundings;
 use crate::setting::root::Root;
 
 fn node(d: &Description, kind: &str) -> Option<NodeId> {
@@ -47,5 +49,20 @@ pub(super) fn background(
     match node(d, "background") {
         Some(id) => Background::from_args(&Args::new(d, id), builder, root),
         None => Ok(Background::BLACK),
+    }
+}
+
+pub(super) fn fog(
+    d: &Description,
+    builder: &Builder,
+    root: &Root,
+) -> Result<Option<Fog>, Diagnostic> {
+    node(d, "fog").map(|id| Fog::from_args(&Args::new(d, id), builder, root)).transpose()
+}
+
+pub(super) fn surroundings(d: &Description, root: &Root) -> Result<Surroundings, Diagnostic> {
+    match node(d, "medium") {
+        Some(id) => Surroundings::from_args(&Args::new(d, id), root),
+        None => Ok(Surroundings::EMPTY),
     }
 }

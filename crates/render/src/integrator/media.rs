@@ -23,11 +23,16 @@ const CAPACITY: usize = 16;
 pub struct MediumStack {
     items: [Option<Medium>; CAPACITY],
     len: usize,
+    /// Index of refraction outside of all objects.
+    around: f64,
 }
 
 impl MediumStack {
-    /// Outside of everything.
-    pub const OUTSIDE: Self = Self { items: [None; CAPACITY], len: 0 };
+    /// Outside of everything, in a space with this index of refraction.
+    #[must_use]
+    pub const fn outside(around: f64) -> Self {
+        Self { items: [None; CAPACITY], len: 0, around }
+    }
 
     /// The innermost object.
     #[must_use]
@@ -38,7 +43,7 @@ impl MediumStack {
     /// Index of refraction where the ray is.
     #[must_use]
     pub fn ior(&self) -> f64 {
-        self.top().map_or(1.0, |m| m.ior)
+        self.top().map_or(self.around, |m| m.ior)
     }
 
     /// Whether the ray is inside this object.
@@ -71,13 +76,15 @@ impl MediumStack {
     }
 }
 
-/// What is left of light after a distance in an absorbing medium (Beer and Lambert).
+/// What is left of light after a distance in an absorbing medium (Beer and Lambert). A lane that
+/// absorbs nothing stays 1 over an infinite distance.
 #[must_use]
 pub fn absorbed(absorption: Spectrum, distance: f64) -> Spectrum {
     if absorption == Spectrum::ZERO {
         return Spectrum::ONE;
     }
-    Spectrum::from(absorption.to_array().map(|a| exp(-a * distance)))
+    let lane = |a: f64| if a > 0.0 { exp(-a * distance) } else { 1.0 };
+    Spectrum::from(absorption.to_array().map(lane))
 }
 
 #[cfg(test)]
@@ -90,7 +97,7 @@ mod tests {
 
     #[test]
     fn leaving_in_any_order_restores_the_outer_medium() {
-        let both = MediumStack::OUTSIDE.entered(medium(1, 1.5)).entered(medium(2, 1.33));
+        let both = MediumStack::outside(1.0).entered(medium(1, 1.5)).entered(medium(2, 1.33));
         assert_eq!(both.ior(), 1.33);
         assert_eq!(both.left(&medium(2, 0.0).object).ior(), 1.5);
         assert_eq!(both.left(&medium(1, 0.0).object).ior(), 1.33);
@@ -100,7 +107,7 @@ mod tests {
 
     #[test]
     fn a_full_stack_forgets_instead_of_failing() {
-        let mut stack = MediumStack::OUTSIDE;
+        let mut stack = MediumStack::outside(1.0);
         for i in 0..100 {
             stack = stack.entered(medium(i, 1.5));
         }

@@ -71,7 +71,11 @@ impl<'a, R: Recorder> Whitted<'a, R> {
     /// The radiance that a camera's ray brings, and what it met first.
     pub fn radiance(&mut self, ray: &Ray) -> Radiance {
         let mut first = FirstHit::NONE;
-        let state = State { depth: 0, throughput: 1.0, media: MediumStack::OUTSIDE };
+        let state = State {
+            depth: 0,
+            throughput: 1.0,
+            media: MediumStack::outside(self.scene.surroundings.ior),
+        };
         self.counts.camera += 1;
         self.recorder.begin(RayKind::Camera, ray);
         let color = self.value(ray, None, &state, Some(&mut first));
@@ -156,22 +160,24 @@ impl<'a, R: Recorder> Whitted<'a, R> {
         Some((hit, shading))
     }
 
-    /// Absorption of the innermost medium, or fog outside of all, over the distance of a ray.
-    fn attenuated(&mut self, value: Spectrum, distance: f64, media: &MediumStack) -> Spectrum {
-        let units = distance / self.scene.root.scale();
-        if let Some(medium) = media.top() {
-            let left = absorbed(medium.absorption, units);
-            if left == Spectrum::ONE {
-                return value;
-            }
-            self.recorder.note(
-                "absorption",
-                || json!({"distance": units, "transmittance": left.to_array()}),
-            );
+    /// Absorption by the innermost medium, and fog outside of all, over the distance of a ray.
+    fn attenuated(&mut self, mut value: Spectrum, distance: f64, media: &MediumStack) -> Spectrum {
+        let scene = self.scene;
+        let left = match media.top() {
+            Some(medium) => absorbed(medium.absorption, distance / scene.root.scale()),
+            None => scene.surroundings.transmittance(distance),
+        };
+        if left != Spectrum::ONE {
+            self.recorder.note("absorption", || json!({"transmittance": left.to_array()}));
             self.recorder.scale(left);
-            return value * left;
+            value *= left;
         }
-        value
+        let Some(fog) = scene.fog.as_ref().filter(|_| media.top().is_none()) else { return value };
+        let left = fog.transmittance(distance);
+        let glow = fog.color * (1.0 - left);
+        self.recorder.scale(Spectrum::splat(left));
+        self.recorder.term("fog", glow, || (None, json!({"transmittance": left})));
+        value * left + glow
     }
 
     /// What a surface sends back along a ray.
