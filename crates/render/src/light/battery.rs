@@ -26,9 +26,8 @@ fn lights(schema: &'static Schema, root: &Root) -> Vec<AnyLight> {
     for param in schema.params {
         let values: Vec<Value> = match param.ty {
             Type::Choice(words) => words.iter().map(|&w| Value::Text(w.into())).collect(),
-            _ if ["radius", "angle"].contains(&param.name) => {
-                [1e-9, 1.0, 90.0].map(Value::Number).to_vec()
-            }
+            _ if param.name == "radius" => [1e-9, 1.0, 90.0].map(Value::Number).to_vec(),
+            _ if param.name == "angle" => [1e-3, 1.0, 180.0].map(Value::Number).to_vec(),
             _ => continue,
         };
         let known = all.clone();
