@@ -279,12 +279,18 @@ fn halve(items: &mut [Item], centers: &Box32) -> usize {
     middle
 }
 
+/// What becomes a node, how deep it will be, and the node and lane that refer to it.
+struct Pending {
+    subtree: Built,
+    depth: usize,
+    parent: Option<(usize, usize)>,
+}
+
 /// Joins splits in two to nodes of four: of the parts of a node the one with the largest box is split
 /// on, as long as there is room. Each node is followed by its first child's subtree.
 fn widen(bvh: &mut Bvh, splits: &[Split2], root: &Built) {
-    // What to make a node of, its depth, and the (parent, lane) that refers to it.
-    let mut pending: Vec<(Built, usize, Option<(usize, usize)>)> = vec![(*root, 1, None)];
-    while let Some((subtree, depth, parent)) = pending.pop() {
+    let mut pending = vec![Pending { subtree: *root, depth: 1, parent: None }];
+    while let Some(Pending { subtree, depth, parent }) = pending.pop() {
         let mut parts = [Built { child: Child { first: 0, count: 1 }, bounds: Box32::EMPTY }; 4];
         parts[0] = subtree;
         let mut used = 1;
@@ -315,7 +321,11 @@ fn widen(bvh: &mut Bvh, splits: &[Split2], root: &Built) {
         }
         for lane in (0..used).rev() {
             if parts[lane].child.count == 0 {
-                pending.push((parts[lane], depth + 1, Some((index, lane))));
+                pending.push(Pending {
+                    subtree: parts[lane],
+                    depth: depth + 1,
+                    parent: Some((index, lane)),
+                });
             }
         }
     }
