@@ -2,6 +2,10 @@
 //! Worlds against their slow twin, which asks every object, and the rules for rays that leave
 //! something.
 
+mod common;
+
+use common::specimens::specimens;
+use common::{MILLION, Place};
 use dioptric_geometry::shapes::cuboid::Cuboid;
 use dioptric_geometry::shapes::plane::Plane;
 use dioptric_geometry::shapes::rectangle::Rectangle;
@@ -232,6 +236,39 @@ fn a_world_answers_as_its_slow_twin() {
         }
     }
     assert!(found > 1000, "only {found} rays hit");
+}
+
+#[test]
+fn a_world_of_all_shapes_answers_as_its_slow_twin() {
+    let mut random = Random::new(12);
+    let mut found = 0;
+    for (scale, away) in [(1.0, 0.0), (1.0 / MILLION, 0.0), (MILLION, 0.0), (1.0, 1e5)] {
+        let mut twin = Twin::default();
+        let here = Place { scale, offset: DVec3::ZERO };
+        let kinds = specimens(here).len();
+        for i in 0..3 * kinds {
+            // One of the size of the scene, others smaller, each with a tree's worth of neighbours.
+            let small = Place { scale: scale / f64::from(1 << (i % 4)), offset: DVec3::ZERO };
+            let Some(specimen) = specimens(small).into_iter().nth(i % kinds) else { continue };
+            let at = DVec3::splat(away) + vector(&mut random, 4.0 * scale);
+            let place = DAffine3::from_translation(at) * placement(&mut random, 0.0);
+            twin.object(specimen.shape, place);
+        }
+        let world = twin.builder.clone().build();
+        for _ in 0..300 {
+            let mut r = ray(&mut random, 4.0 * scale);
+            r.origin += DVec3::splat(away);
+            found += u32::from(compare(&twin, &world, &r, f64::INFINITY, None));
+            let Some(hit) = world.closest(&r, f64::INFINITY, None) else { continue };
+            let s = world.surface(&r, &hit).unwrap();
+            let direction = vector(&mut random, scale);
+            let outward = direction.dot(s.normal) > 0.0;
+            let on = Ray { error: s.error, ..Ray::new(s.point, direction) };
+            let departure = Departure { from: hit.id, outward };
+            compare(&twin, &world, &on, f64::INFINITY, Some(&departure));
+        }
+    }
+    assert!(found > 800, "only {found} rays hit");
 }
 
 #[test]

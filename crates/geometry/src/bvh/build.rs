@@ -195,12 +195,13 @@ struct Binning {
     axis: usize,
     low: f32,
     scale: f32,
+    last: usize,
 }
 
 impl Binning {
     fn bin(&self, item: &Item) -> usize {
         // A NaN (0 times infinity, in boxes of nearly no size) becomes 0.
-        (((item.center(self.axis) - self.low) * self.scale) as usize).min(BINS - 1)
+        (((item.center(self.axis) - self.low) * self.scale) as usize).min(self.last)
     }
 }
 
@@ -222,7 +223,9 @@ impl Split {
             if !(width > 0.0) {
                 continue;
             }
-            let binning = Binning { axis, low, scale: BINS as f32 / width };
+            // A few items need no more bins than that.
+            let used = items.len().clamp(4, BINS);
+            let binning = Binning { axis, low, scale: used as f32 / width, last: used - 1 };
             let mut bins = [(Box32::EMPTY, 0usize); BINS];
             for item in items {
                 let (bounds, count) = &mut bins[binning.bin(item)];
@@ -232,13 +235,13 @@ impl Split {
             // Right to left: what lies right of each boundary; then left to right.
             let mut right = [0.0; BINS];
             let (mut bounds, mut count) = (Box32::EMPTY, 0);
-            for bin in (1..BINS).rev() {
+            for bin in (1..used).rev() {
                 bounds.grow(&bins[bin].0);
                 count += bins[bin].1;
                 right[bin] = bounds.half_area() * count as f64;
             }
             let (mut bounds, mut count) = (Box32::EMPTY, 0);
-            for bin in 1..BINS {
+            for bin in 1..used {
                 bounds.grow(&bins[bin - 1].0);
                 count += bins[bin - 1].1;
                 let cost = bounds.half_area() * count as f64 + right[bin];
