@@ -69,8 +69,8 @@ static SHEAR: Schema = Schema {
     example: "box(min = (-1, 0, -1), max = (1, 2, 1), transform = shear(xy = 0.5), material = matte(\"gold\"))",
 };
 
-static MIRROR: Schema = Schema {
-    kind: "mirror",
+static REFLECT: Schema = Schema {
+    kind: "reflect",
     category: Category::Transform,
     summary: "makes the mirror image",
     doc: "Reflects at the plane through `point` with this `normal`: I - 2 n n^T (Householder).",
@@ -78,7 +78,7 @@ static MIRROR: Schema = Schema {
         Param::required("normal", Type::Direction, "At right angles to the plane; of any length."),
         Param::new("point", Type::Vec3, Default::Vec3([0.0; 3]), "A point of the plane."),
     ],
-    example: "cone(transform = mirror(normal = (0, 1, 0)), material = matte(\"gold\"))",
+    example: "cone(transform = reflect(normal = (0, 1, 0)), material = matte(\"gold\"))",
 };
 
 static ORIENT: Schema = Schema {
@@ -120,14 +120,14 @@ static KINDS: [(&Schema, Maker); 7] = [
     (&ROTATE, rotate),
     (&SCALE, scale),
     (&SHEAR, shear),
-    (&MIRROR, mirror),
+    (&REFLECT, reflect),
     (&ORIENT, orient),
     (&MATRIX, matrix),
 ];
 
 /// The schemas of all transforms.
 pub static TRANSFORM_SCHEMAS: &[&Schema] =
-    &[&TRANSLATE, &ROTATE, &SCALE, &SHEAR, &MIRROR, &ORIENT, &MATRIX];
+    &[&TRANSLATE, &ROTATE, &SCALE, &SHEAR, &REFLECT, &ORIENT, &MATRIX];
 
 /// The product of the transforms in argument `name` of a node, applied in the order of the list;
 /// the identity where it is absent.
@@ -221,7 +221,7 @@ fn shear(args: &Args) -> Result<DAffine3, Diagnostic> {
     )))
 }
 
-fn mirror(args: &Args) -> Result<DAffine3, Diagnostic> {
+fn reflect(args: &Args) -> Result<DAffine3, Diagnostic> {
     let n = unit(args, "normal", args.vec3("normal")?)?;
     Ok(around(args.vec3("point")?.into(), reflection(n)))
 }

@@ -57,9 +57,9 @@ fn each_kind_does_what_its_page_says() {
     assert_eq!(at("scale", &[("by", n(3.0)), ("center", v(1.0, 2.0, 3.0))]), P);
     assert_eq!(at("shear", &[("xy", n(10.0))]), DVec3::new(21.0, 2.0, 3.0));
     assert_eq!(at("shear", &[("zx", n(10.0)), ("yz", n(1.0))]), DVec3::new(1.0, 5.0, 13.0));
-    assert_eq!(at("mirror", &[("normal", v(0.0, -7.0, 0.0))]), DVec3::new(1.0, -2.0, 3.0));
+    assert_eq!(at("reflect", &[("normal", v(0.0, -7.0, 0.0))]), DVec3::new(1.0, -2.0, 3.0));
     let plane = [("normal", v(0.0, 1.0, 0.0)), ("point", v(5.0, 3.0, 5.0))];
-    assert_eq!(at("mirror", &plane), DVec3::new(1.0, 4.0, 3.0));
+    assert_eq!(at("reflect", &plane), DVec3::new(1.0, 4.0, 3.0));
     let rows = [v(1.0, 2.0, 3.0), v(0.0, 1.0, 4.0), v(5.0, 6.0, 0.0)];
     assert_eq!(at("matrix", &[("values", Value::List(rows.into()))]), DVec3::new(14.0, 14.0, 17.0));
     let numbers = [1., 0., 0., 7., 0., 1., 0., 8., 0., 0., 1., 9.].map(n);

@@ -12,7 +12,6 @@
 #![forbid(unsafe_code)]
 
 pub mod build;
-pub mod bump;
 pub mod camera;
 pub mod compile;
 pub mod film;

@@ -8,6 +8,8 @@ use dioptric_scene::Vocabulary;
 pub fn vocabulary() -> Vocabulary {
     let registries = [
         dioptric_geometry::shapes::SCHEMAS,
+        &[&dioptric_geometry::GROUP_SCHEMA],
+        dioptric_geometry::TRANSFORM_SCHEMAS,
         crate::pattern::SCHEMAS,
         crate::material::SCHEMAS,
         crate::light::SCHEMAS,

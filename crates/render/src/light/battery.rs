@@ -3,7 +3,7 @@
 
 use dioptric_math::{DVec3, Spectrum};
 use dioptric_scene::args::make_node;
-use dioptric_scene::{Args, Default, Description, MemoryLoader, Schema, Type, Value};
+use dioptric_scene::{Args, Default, Description, Schema, Type, Value};
 
 use super::{AnyLight, SCHEMAS};
 use crate::build::{Builder, ColorReading};
@@ -43,8 +43,7 @@ fn lights(schema: &'static Schema, root: &Root) -> Vec<AnyLight> {
         .map(|arguments| {
             let mut scene = Description::default();
             let id = scene.push(make_node(schema, arguments).unwrap());
-            let files = MemoryLoader::new();
-            let mut builder = Builder::new(&scene, ColorReading::Raw, &files);
+            let mut builder = Builder::new(&scene, ColorReading::Raw);
             AnyLight::from_args(&Args::new(&scene, id), &mut builder, root)
                 .unwrap_or_else(|why| panic!("{}: {}", schema.kind, why.message))
         })

@@ -3,7 +3,7 @@
 
 use dioptric_math::{DVec2, DVec3, Spectrum};
 use dioptric_scene::args::make_node;
-use dioptric_scene::{Args, Category, Default, Description, MemoryLoader, Schema, Type, Value};
+use dioptric_scene::{Args, Category, Default, Description, Schema, Type, Value};
 
 use super::{AnyMaterial, Finish, Material, Optics, SCHEMAS};
 use crate::build::{Builder, ColorReading};
@@ -59,8 +59,7 @@ fn material(schema: &'static Schema, fill: &Fill) -> AnyMaterial {
         arguments.push((param.name, value));
     }
     let id = scene.push(make_node(schema, &arguments).unwrap());
-    let files = MemoryLoader::new();
-    let mut builder = Builder::new(&scene, ColorReading::Raw, &files);
+    let mut builder = Builder::new(&scene, ColorReading::Raw);
     AnyMaterial::from_args(&Args::new(&scene, id), &mut builder)
         .unwrap_or_else(|why| panic!("{}: {}", schema.kind, why.message))
 }

@@ -88,7 +88,7 @@ mod tests {
     use crate::material::testing::point;
     use dioptric_math::DVec3;
     use dioptric_scene::args::make_node;
-    use dioptric_scene::{Description, MemoryLoader, Value};
+    use dioptric_scene::{Description, Value};
 
     #[test]
     fn each_cell_has_its_own_material() {
@@ -105,8 +105,7 @@ mod tests {
         else {
             panic!()
         };
-        let files = MemoryLoader::new();
-        let mut builder = Builder::new(&scene, ColorReading::Raw, &files);
+        let mut builder = Builder::new(&scene, ColorReading::Raw);
         let tiles = Patched::from_args(&Args::new(&scene, id), &mut builder).unwrap();
         let at = |x: f64| PatternPoint { object: DVec3::new(x, 0.5, 0.5), ..point() };
         assert_eq!(tiles.finish(&at(0.5)).optics, Optics::Opaque);
