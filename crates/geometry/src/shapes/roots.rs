@@ -3,6 +3,9 @@
 //! and it is there exactly if the signs at the two differ. No root is lost by subtracting large numbers
 //! or by leaving a loop early, and roots come in pairs as long as the outermost signs are equal.
 
+/// How far a turning point may be off: there the function changes by the square of it only.
+const TURN: f64 = 1e-11;
+
 /// A stretch that holds exactly one root.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Piece {
@@ -61,29 +64,35 @@ impl<const N: usize> Pieces<N> {
 }
 
 /// The root in a piece, by Newton's steps held in the bracket (Press et al., "Numerical Recipes", 3rd
-/// ed., section 9.4). `f` gives the value and the derivative.
-pub(crate) fn find(f: &impl Fn(f64) -> (f64, f64), piece: Piece) -> f64 {
+/// ed., section 9.4), to within `tolerance` or its last digits. `f` gives the value and the derivative.
+pub(crate) fn find(f: &impl Fn(f64) -> (f64, f64), piece: Piece, tolerance: f64) -> f64 {
     let (mut a, mut b) = (piece.start, piece.end.0);
     let mut x = 0.5 * (a + b);
     let mut before = b - a;
     // Halving alone needs about 60 steps for all digits, and as many again for tiny numbers.
     for _ in 0..128 {
         let (value, slope) = f(x);
+        let step = value / slope;
+        // Newton's last step is far better than its own size, rounding aside.
+        let enough = tolerance.max(2.0 * f64::EPSILON * x.abs());
         if value == 0.0 {
             return x;
+        }
+        if step.abs() <= enough {
+            return (x - step).max(a).min(b);
         }
         if (value < 0.0) == piece.inside_at_start {
             a = x;
         } else {
             b = x;
         }
-        let mut next = x - value / slope;
+        let mut next = x - step;
         // Written so that NaN halves. A step that does not shrink is slower than halving.
-        if !(next > a && next < b && (next - x).abs() < 0.5 * before) {
+        if !(next > a && next < b && step.abs() < 0.5 * before) {
             next = 0.5 * (a + b);
         }
         before = (next - x).abs();
-        if next == x || before <= 2.0 * f64::EPSILON * next.abs() {
+        if before <= enough {
             return next;
         }
         x = next;
@@ -128,7 +137,7 @@ pub(crate) fn cubic_turns(c3: f64, c2: f64) -> [f64; 2] {
 /// The root of a function that is below 0 at `low` and above 0 at `high`, on either side of it.
 fn monotone(f: &impl Fn(f64) -> (f64, f64), low: f64, high: f64) -> f64 {
     let (start, end) = (low.min(high), low.max(high));
-    find(f, Piece { start, end: (end, low > high), inside_at_start: low <= high })
+    find(f, Piece { start, end: (end, low > high), inside_at_start: low <= high }, TURN)
 }
 
 #[cfg(test)]
@@ -140,10 +149,10 @@ mod tests {
         // (s + 1) (s - 0.25) (s - 0.75) = s^3 - 0.8125 s + 0.1875, the derivative of s^4 / 4 - ...
         let turns = quartic_turns(-1.625, 0.75);
         for (turn, expected) in turns.into_iter().zip([-1.0, 0.25, 0.75]) {
-            assert!((turn - expected).abs() < 1e-15, "{turns:?}");
+            assert!((turn - expected).abs() < 1e-11, "{turns:?}");
         }
         let [only, none, _] = quartic_turns(2.0, -4.0);
-        assert!((4.0 * only * only * only + 4.0 * only - 4.0).abs() < 1e-14 && none.is_nan());
+        assert!((4.0 * only * only * only + 4.0 * only - 4.0).abs() < 1e-10 && none.is_nan());
         assert_eq!(quartic_turns(0.0, 0.0)[0], 0.0);
         assert_eq!(cubic_turns(-3.0, 0.0), [0.0, 2.0]);
         assert!(cubic_turns(0.0, 3.0)[0].is_nan());
@@ -154,7 +163,7 @@ mod tests {
         for exact in [1e-12, 0.3, 1.0, 7.5, 1e9] {
             let f = |s: f64| (s * s * s - exact * exact * exact, 3.0 * s * s);
             let piece = Piece { start: 0.0, end: (1e10, false), inside_at_start: true };
-            let found = find(&f, piece);
+            let found = find(&f, piece, 0.0);
             assert!((found / exact - 1.0).abs() < 1e-14, "{exact}: {found}");
         }
     }

@@ -67,6 +67,9 @@ static SCHEMA: Schema = Schema {
     example: "torus(center = (0, 0.4, 0), major_radius = 1, minor_radius = 0.4, material = matte(\"tomato\"))",
 };
 
+/// How well roots are found, in the torus's units: the rounding of points that far from the centre.
+const DIGITS: f64 = 2.0 * f64::EPSILON;
+
 /// A line in the torus's units: the length of `direction` is 1, and `t = (s + start) / speed`.
 struct Line {
     point: DVec3,
@@ -191,7 +194,7 @@ impl Torus {
         let pieces = Pieces::new((0.0, end), cubic_turns(c3, c2), |s| cubic(s).0 < 0.0, !outward);
         // Where the surface curves towards an outward ray, its root within the error is the one it left.
         let least = if outward { 2.0 * ray.error * scale } else { 0.0 };
-        let s = pieces.changes().map(|piece| find(&cubic, piece)).find(|&s| s >= least)?;
+        let s = pieces.changes().map(|piece| find(&cubic, piece, 0.0)).find(|&s| s >= least)?;
         root(ray, s / (length * scale), 0)
     }
 }
@@ -248,7 +251,7 @@ impl Shape for Torus {
             let t = if behind {
                 -1.0
             } else {
-                (line.start + find(&|s| self.value(&line, s), piece)) / line.speed
+                (line.start + find(&|s| self.value(&line, s), piece, DIGITS)) / line.speed
             };
             if t > 0.0 {
                 return root(ray, t, 0);
@@ -263,7 +266,7 @@ impl Shape for Torus {
     fn crossings(&self, ray: &LocalRay, out: &mut Vec<Crossing>) {
         let Some(line) = self.line(ray) else { return };
         for piece in self.pieces(&line).changes() {
-            let s = find(&|s| self.value(&line, s), piece);
+            let s = find(&|s| self.value(&line, s), piece, DIGITS);
             let t = (line.start + s) / line.speed;
             out.push(Crossing { t, part: 0, enters: !piece.inside_at_start });
         }

@@ -7,6 +7,7 @@
 
 #![allow(dead_code)] // Every test file uses its own part of this one.
 
+pub mod flat;
 pub mod specimens;
 
 use dioptric_geometry::shapes::SCHEMAS;
@@ -16,8 +17,11 @@ use dioptric_math::random::Random;
 use dioptric_scene::args::make_node;
 use dioptric_scene::{Args, Description, Diagnostic, Value};
 
-/// About 1e6, and about 1e-6 as its reciprocal.
+/// About 1e6.
 pub const MILLION: f64 = 1_048_576.0;
+
+/// The reciprocal of that.
+pub const TINY: f64 = 1.0 / MILLION;
 
 /// Where a specimen stands: `p` of its own space is `(p + offset) scale` here.
 #[derive(Clone, Copy, Debug)]
@@ -150,6 +154,51 @@ pub fn build_of<'a>(
     let nodes: Vec<Value> = parts.iter().map(|(k, a)| Value::Node(push(k, a))).collect();
     let id = push(kind, &args(&nodes));
     AnyShape::from_args(&Args::new(&description, id)).map(|s| s.unwrap())
+}
+
+/// Arguments for a shape at a place.
+#[derive(Clone, Copy)]
+pub struct At(pub Place);
+
+impl At {
+    pub fn point(self, p: DVec3) -> Value {
+        Value::Vec3(self.0.point(p).into())
+    }
+
+    pub fn vector(self, v: DVec3) -> Value {
+        Value::Vec3((v * self.0.scale).into())
+    }
+
+    pub fn length(self, x: f64) -> Value {
+        Value::Number(x * self.0.scale)
+    }
+
+    pub fn points(self, points: &[DVec3]) -> Value {
+        Value::List(points.iter().map(|&p| self.point(p)).collect())
+    }
+
+    pub fn make(
+        self,
+        (name, kind): (&'static str, &str),
+        args: &[(&str, Value)],
+        (size, feature): (f64, f64),
+        inside: Option<DVec3>,
+        rims: Vec<DVec3>,
+        plain: impl Fn(DVec3) -> f64 + 'static,
+    ) -> Specimen {
+        let shape = build(kind, args).unwrap_or_else(|e| panic!("{name}: {}", e.message));
+        let plain = Box::new(plain);
+        Specimen { name, place: self.0, shape, size, feature, inside, rims, plain }
+    }
+}
+
+/// Any length will do.
+pub fn direction_value(v: DVec3) -> Value {
+    Value::Vec3(v.into())
+}
+
+pub fn v3(x: f64, y: f64, z: f64) -> DVec3 {
+    DVec3::new(x, y, z)
 }
 
 /// Places of three sizes, at the origin and far away from it.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The list of specimens.
+//! The list of specimens, and those that are solid.
 
 use std::f64::consts::PI;
 
@@ -7,9 +7,8 @@ use dioptric_geometry::AnyShape;
 use dioptric_math::{DVec3, cos, sin};
 use dioptric_scene::Value;
 
-use super::{MILLION, Place, Specimen, build, build_of};
-
-const TINY: f64 = 1.0 / MILLION;
+use super::flat::{self, flat, normal};
+use super::{At, MILLION, Place, Specimen, TINY, build_of, direction_value, v3};
 
 /// Every specimen at one place.
 pub fn specimens(place: Place) -> Vec<Specimen> {
@@ -18,59 +17,12 @@ pub fn specimens(place: Place) -> Vec<Specimen> {
     all.extend(spheres(at));
     all.extend(planes(at));
     all.extend(boxes(at));
-    all.extend(rectangles(at));
-    all.extend(discs(at));
     all.extend(frusta(at));
-    all.extend(triangles(at));
-    all.extend(polygons(at));
     all.extend(tetrahedra(at));
     all.extend(tori(at));
     all.extend(combinations(at));
+    all.extend(flat::specimens(at));
     all
-}
-
-/// Arguments for a shape at a place.
-#[derive(Clone, Copy)]
-struct At(Place);
-
-impl At {
-    fn point(self, p: DVec3) -> Value {
-        Value::Vec3(self.0.point(p).into())
-    }
-
-    fn vector(self, v: DVec3) -> Value {
-        Value::Vec3((v * self.0.scale).into())
-    }
-
-    fn length(self, x: f64) -> Value {
-        Value::Number(x * self.0.scale)
-    }
-
-    fn points(self, points: &[DVec3]) -> Value {
-        Value::List(points.iter().map(|&p| self.point(p)).collect())
-    }
-
-    fn make(
-        self,
-        (name, kind): (&'static str, &str),
-        args: &[(&str, Value)],
-        (size, feature): (f64, f64),
-        inside: Option<DVec3>,
-        rims: Vec<DVec3>,
-        plain: impl Fn(DVec3) -> f64 + 'static,
-    ) -> Specimen {
-        let shape = build(kind, args).unwrap_or_else(|e| panic!("{name}: {}", e.message));
-        let plain = Box::new(plain);
-        Specimen { name, place: self.0, shape, size, feature, inside, rims, plain }
-    }
-}
-
-fn direction(v: DVec3) -> Value {
-    Value::Vec3(v.into())
-}
-
-fn v3(x: f64, y: f64, z: f64) -> DVec3 {
-    DVec3::new(x, y, z)
 }
 
 fn spheres(at: At) -> Vec<Specimen> {
@@ -99,7 +51,7 @@ fn planes(at: At) -> Vec<Specimen> {
         .map(|(name, n)| {
             at.make(
                 (name, "plane"),
-                &[("point", at.point(q)), ("normal", direction(n))],
+                &[("point", at.point(q)), ("normal", direction_value(n))],
                 (4.0, 1.0),
                 None,
                 vec![],
@@ -135,73 +87,6 @@ fn boxes(at: At) -> Vec<Specimen> {
             Some(c + h * 0.25),
             rims,
             move |p| (p - max).max(min - p).max_element(),
-        )
-    })
-    .collect()
-}
-
-/// A flat thing: height over its plane where `outside <= 0`, else how far it is away.
-fn flat(height: f64, outside: f64) -> f64 {
-    if outside > 1e-9 { height.abs().max(outside) } else { height }
-}
-
-fn rectangles(at: At) -> Vec<Specimen> {
-    [
-        ("rectangle", v3(2.0, 0.0, 0.0), v3(0.0, 1.0, 0.0)),
-        ("rectangle, skewed", v3(1.0, 0.5, 0.0), v3(-0.25, 0.5, 1.0)),
-        ("rectangle, long", v3(0.0, MILLION, 0.0), v3(1.0, 0.0, 0.0)),
-    ]
-    .into_iter()
-    .map(|(name, u, v)| {
-        let corner = v3(-0.5, 0.25, 0.0);
-        let n = u.cross(v) / u.cross(v).length();
-        let (du, dv) = (v.cross(n), n.cross(u));
-        at.make(
-            (name, "rectangle"),
-            &[("corner", at.point(corner)), ("edge_u", at.vector(u)), ("edge_v", at.vector(v))],
-            (u.length().max(v.length()), u.length().min(v.length())),
-            None,
-            vec![],
-            move |p| {
-                let (a, b) = ((p - corner).dot(du) / u.dot(du), (p - corner).dot(dv) / v.dot(dv));
-                let outside = [a, b].map(|x| (-x).max(x - 1.0));
-                flat((p - corner).dot(n), (outside[0] * u.length()).max(outside[1] * v.length()))
-            },
-        )
-    })
-    .collect()
-}
-
-fn discs(at: At) -> Vec<Specimen> {
-    [
-        ("disc", DVec3::Y, 0.0),
-        ("ring", v3(1.0, -2.0, 0.5), 0.5),
-        ("ring, narrow", -DVec3::Z, 0.75 - TINY),
-    ]
-    .into_iter()
-    .map(|(name, n, inner)| {
-        let c = v3(0.5, 0.25, -0.125);
-        let unit = n / n.length();
-        at.make(
-            (name, "disc"),
-            &[
-                ("center", at.point(c)),
-                ("normal", direction(n)),
-                ("radius", at.length(0.75)),
-                ("inner_radius", at.length(inner)),
-            ],
-            (1.5, 0.75 - inner),
-            None,
-            {
-                let out = unit.any_orthonormal_vector() * (0.5 * (0.75 + inner));
-                let angles = (0..16).map(|i| 2.0 * PI * f64::from(i) / 16.0);
-                angles.map(|a| c + out * cos(a) + unit.cross(out) * sin(a)).collect()
-            },
-            move |p| {
-                let height = (p - c).dot(unit);
-                let rho = (p - c - unit * height).length();
-                flat(height, (rho - 0.75).max(inner - rho))
-            },
         )
     })
     .collect()
@@ -293,108 +178,6 @@ fn frusta(at: At) -> Vec<Specimen> {
         .collect()
 }
 
-/// Unit normal of a triangle.
-fn normal(a: DVec3, b: DVec3, c: DVec3) -> DVec3 {
-    let n = (b - a).cross(c - a);
-    n / n.length()
-}
-
-/// How far a point is outside of a triangle, measured in its plane.
-fn outside_triangle(corners: [DVec3; 3], n: DVec3, p: DVec3) -> f64 {
-    let edge = |i: usize| {
-        let (a, b) = (corners[i], corners[(i + 1) % 3]);
-        -n.cross(b - a).dot(p - a) / (b - a).length()
-    };
-    edge(0).max(edge(1)).max(edge(2))
-}
-
-fn triangles(at: At) -> Vec<Specimen> {
-    let skew = [v3(-0.5, 0.25, 0.0), v3(1.0, 0.0, 0.5), v3(0.25, 1.5, -0.25)];
-    let needle = [v3(0.0, 0.0, 0.0), v3(MILLION, 0.0, 0.0), v3(0.0, 0.0, 1.0)];
-    let up = |c: [DVec3; 3]| normal(c[0], c[1], c[2]);
-    let bent = Value::List(
-        [v3(0.5, 0.25, 1.0), v3(1.0, 0.0, 0.5), v3(0.0, 1.0, 0.5)].map(direction).into(),
-    );
-    let uvs = Value::List([[0.0, 0.25], [0.75, 0.0], [0.5, 1.0]].map(Value::Vec2).into());
-    [
-        ("triangle", skew, vec![], 1.0),
-        ("triangle, smooth", skew, vec![("normals", bent), ("uvs", uvs)], 1.0),
-        ("triangle, needle", needle, vec![], 1.0),
-    ]
-    .into_iter()
-    .map(|(name, c, mut args, feature)| {
-        args.extend([("a", at.point(c[0])), ("b", at.point(c[1])), ("c", at.point(c[2]))]);
-        let n = up(c);
-        let size = (c[1] - c[0]).length().max(1.5);
-        at.make((name, "triangle"), &args, (size, feature), None, vec![], move |p| {
-            flat((p - c[0]).dot(n), outside_triangle(c, n, p))
-        })
-    })
-    .collect()
-}
-
-fn polygons(at: At) -> Vec<Specimen> {
-    let square = vec![v3(-1.0, 0.0, 0.5), v3(1.0, 0.0, 0.5), v3(1.0, 1.0, 0.5), v3(-1.0, 1.0, 0.5)];
-    // Concave, in a plane that leans; (x, y) of the drawing is base + x u + y v.
-    let drawn = |xy: &[(f64, f64)]| -> Vec<DVec3> {
-        let (u, v) = (v3(1.0, 0.0, 0.5), v3(0.0, 1.0, 0.25));
-        xy.iter().map(|&(x, y)| v3(0.25, -0.5, 0.0) + u * x + v * y).collect()
-    };
-    let arrow = drawn(&[(-1.0, 0.0), (1.0, 0.0), (1.0, 2.0), (0.0, 0.5), (-1.0, 2.0)]);
-    let hole = drawn(&[(-0.5, 0.125), (0.0, 0.25), (0.5, 0.125)]);
-    let star: Vec<DVec3> = (0..144)
-        .map(|i| {
-            let a = 2.0 * PI * f64::from(i) / 144.0;
-            let r = if i % 2 == 0 { 1.0 } else { 0.75 };
-            (v3(cos(a) * r, 0.0, sin(a) * r) * 1024.0).round() / 1024.0
-        })
-        .collect();
-    [
-        ("polygon, square", square, vec![]),
-        ("polygon, concave with a hole", arrow, vec![hole]),
-        ("polygon, gear", star, vec![]),
-    ]
-    .into_iter()
-    .map(|(name, outline, holes)| {
-        let n = normal(outline[0], outline[1], outline[2]);
-        let holes_value = Value::List(holes.iter().map(|h| at.points(h)).collect());
-        // Twice the area by signed triangles tells which side is up.
-        let area: f64 = (1..outline.len() - 1)
-            .map(|i| (outline[i] - outline[0]).cross(outline[i + 1] - outline[0]).dot(n))
-            .sum();
-        let n = n * area.signum();
-        let loops: Vec<Vec<DVec3>> = std::iter::once(outline.clone()).chain(holes).collect();
-        let middle = outline[0];
-        at.make(
-            (name, "polygon"),
-            &[("points", at.points(&outline)), ("holes", holes_value)],
-            (2.5, 0.0625),
-            None,
-            vec![],
-            move |p| {
-                let height = (p - middle).dot(n);
-                let q = p - n * height;
-                flat(height, if winds_around(&loops, n, q) { -1.0 } else { 1.0 })
-            },
-        )
-    })
-    .collect()
-}
-
-/// Whether a point of the plane is inside an odd number of loops: by the angles that the edges subtend.
-fn winds_around(loops: &[Vec<DVec3>], n: DVec3, q: DVec3) -> bool {
-    let turns = loops.iter().map(|l| {
-        let angle: f64 = (0..l.len())
-            .map(|i| {
-                let (a, b) = (l[i] - q, l[(i + 1) % l.len()] - q);
-                dioptric_math::atan2(a.cross(b).dot(n), a.dot(b))
-            })
-            .sum();
-        i64::from(angle.abs() > PI)
-    });
-    turns.sum::<i64>() % 2 == 1
-}
-
 fn tetrahedra(at: At) -> Vec<Specimen> {
     [
         (
@@ -468,7 +251,7 @@ fn tori(at: At) -> Vec<Specimen> {
             (name, "torus"),
             &[
                 ("center", at.point(c)),
-                ("axis", direction(axis)),
+                ("axis", direction_value(axis)),
                 ("major_radius", at.length(major)),
                 ("minor_radius", at.length(minor)),
             ],
