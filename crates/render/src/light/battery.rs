@@ -2,13 +2,12 @@
 //! What every light of the registry promises for every point.
 
 use dioptric_math::{DVec3, Spectrum};
-use dioptric_scene::args::make_node;
-use dioptric_scene::{Args, Default, Description, Schema, Type, Value};
+use dioptric_scene::{Args, Default, Schema, Type, Value};
 
 use super::{AnyLight, SCHEMAS};
 use crate::build::{Builder, ColorReading};
 use crate::setting::root::Root;
-use crate::setting::testing::scaled_root;
+use crate::setting::testing::{scaled_root, with_args};
 
 /// Lights of a kind: as simple as can be, and with every parameter that has a choice set to each word.
 fn lights(schema: &'static Schema, root: &Root) -> Vec<AnyLight> {
@@ -41,10 +40,9 @@ fn lights(schema: &'static Schema, root: &Root) -> Vec<AnyLight> {
     }
     all.iter()
         .map(|arguments| {
-            let mut scene = Description::default();
-            let id = scene.push(make_node(schema, arguments).unwrap());
-            let mut builder = Builder::new(&scene, ColorReading::Raw);
-            AnyLight::from_args(&Args::new(&scene, id), &mut builder, root)
+            let build =
+                |args: &Args, builder: &mut Builder| AnyLight::from_args(args, builder, root);
+            with_args(schema, arguments, ColorReading::Raw, build)
                 .unwrap_or_else(|why| panic!("{}: {}", schema.kind, why.message))
         })
         .collect()

@@ -3,11 +3,12 @@
 
 use dioptric_math::{DVec2, DVec3, Spectrum};
 use dioptric_scene::args::make_node;
-use dioptric_scene::{Args, Category, Default, Description, Schema, Type, Value};
+use dioptric_scene::{Category, Default, Description, Schema, Type, Value};
 
 use super::{AnyMaterial, Finish, Material, Optics, SCHEMAS};
-use crate::build::{Builder, ColorReading};
+use crate::build::ColorReading;
 use crate::pattern::PatternPoint;
+use crate::setting::testing::with_node;
 
 /// Points on a surface and points that no surface has.
 fn points() -> Vec<PatternPoint> {
@@ -59,8 +60,7 @@ fn material(schema: &'static Schema, fill: &Fill) -> AnyMaterial {
         arguments.push((param.name, value));
     }
     let id = scene.push(make_node(schema, &arguments).unwrap());
-    let mut builder = Builder::new(&scene, ColorReading::Raw);
-    AnyMaterial::from_args(&Args::new(&scene, id), &mut builder)
+    with_node(&scene, id, ColorReading::Raw, AnyMaterial::from_args)
         .unwrap_or_else(|why| panic!("{}: {}", schema.kind, why.message))
 }
 

@@ -86,6 +86,7 @@ mod tests {
     use crate::build::ColorReading;
     use crate::material::Optics;
     use crate::material::testing::point;
+    use crate::setting::testing::with_node;
     use dioptric_math::DVec3;
     use dioptric_scene::args::make_node;
     use dioptric_scene::{Description, Value};
@@ -105,8 +106,7 @@ mod tests {
         else {
             panic!()
         };
-        let mut builder = Builder::new(&scene, ColorReading::Raw);
-        let tiles = Patched::from_args(&Args::new(&scene, id), &mut builder).unwrap();
+        let tiles = with_node(&scene, id, ColorReading::Raw, Patched::from_args).unwrap();
         let at = |x: f64| PatternPoint { object: DVec3::new(x, 0.5, 0.5), ..point() };
         assert_eq!(tiles.finish(&at(0.5)).optics, Optics::Opaque);
         assert!(matches!(tiles.finish(&at(1.5)).optics, Optics::Mirror { .. }));

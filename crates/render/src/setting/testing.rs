@@ -3,7 +3,7 @@
 
 use dioptric_math::{DAffine3, DVec3};
 use dioptric_scene::args::make_node;
-use dioptric_scene::{Args, Description, MemoryLoader, Schema, Value};
+use dioptric_scene::{Args, Description, MemoryLoader, NodeId, Schema, Value};
 
 use super::root::Root;
 use crate::build::{Builder, ColorReading};
@@ -17,7 +17,17 @@ pub(crate) fn with_args<T>(
 ) -> T {
     let mut scene = Description::default();
     let id = scene.push(make_node(schema, arguments).expect("known parameters"));
-    f(&Args::new(&scene, id), &mut Builder::new(&scene, reading, &MemoryLoader::new()))
+    with_node(&scene, id, reading, f)
+}
+
+/// Calls `f` with the arguments of a node of a scene without files.
+pub(crate) fn with_node<T>(
+    scene: &Description,
+    id: NodeId,
+    reading: ColorReading,
+    f: impl FnOnce(&Args, &mut Builder) -> T,
+) -> T {
+    f(&Args::new(scene, id), &mut Builder::new(scene, reading, &MemoryLoader::new()))
 }
 
 /// A root that changes nothing, y up.
