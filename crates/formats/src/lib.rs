@@ -21,6 +21,7 @@ use dioptric_scene::{Description, Diagnostic, Loader, Severity, Sources, Vocabul
 
 use build::Build;
 pub use options::{Limits, ParamInfo, ReadOptions};
+pub use starlark::functions;
 
 /// A scene that was read.
 #[derive(Clone, Debug)]

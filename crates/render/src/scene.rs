@@ -9,6 +9,7 @@ use dioptric_image::Develop;
 use dioptric_math::Spectrum;
 use dioptric_scene::{Description, NodeId};
 
+use crate::bump::perturbed_normal;
 use crate::camera::AnyCamera;
 use crate::integrator::recorder::SourcePlace;
 use crate::light::AnyLight;
@@ -103,7 +104,7 @@ impl Scene {
     /// Works out everything about a hit; `None` only for a hit that is not of this world.
     #[must_use]
     pub fn shading(&self, ray: &Ray, hit: &Hit) -> Option<Shading<'_>> {
-        let surface = self.world.surface(ray, hit)?;
+        let mut surface = self.world.surface(ray, hit)?;
         let root = self.root.transform();
         let point = PatternPoint {
             object: surface.local_point,
@@ -117,6 +118,15 @@ impl Scene {
             .unwrap_or(surface.shading_normal),
         };
         let material = &self.materials[self.material_index(hit.id)];
+        if let Some(bump) = material.bump() {
+            let to_ray = self.world.object_to_ray(hit.id)?.matrix3;
+            let to_file = root.to_local().matrix3 * to_ray;
+            let shape = self.world.shape(hit.id.object)?;
+            let bumped = perturbed_normal(shape, hit.id.part, &to_file, &point, bump);
+            surface.shading_normal =
+                dioptric_math::normalize(to_ray.inverse().transpose() * bumped)
+                    .unwrap_or(surface.shading_normal);
+        }
         Some(Shading { surface, point, material })
     }
 

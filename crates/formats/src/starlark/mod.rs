@@ -13,13 +13,13 @@
 mod constructor;
 mod convert;
 mod errors;
-mod functions;
 #[expect(
     unsafe_code,
     reason = "derive(ProvidesStaticType) writes an unsafe impl; there is no other"
 )]
 mod guards;
 mod load;
+mod math;
 mod params;
 #[expect(
     unsafe_code,
@@ -92,7 +92,7 @@ fn globals(vocabulary: &Vocabulary) -> Globals {
         LibraryExtension::Filter,
         LibraryExtension::Print,
     ]);
-    functions::register(&mut builder);
+    math::register(&mut builder);
     guards::register(&mut builder);
     params::register(&mut builder);
     random::register(&mut builder);
@@ -100,4 +100,13 @@ fn globals(vocabulary: &Vocabulary) -> Globals {
         builder.set(schema.kind, constructor::Constructor::new(schema));
     }
     builder.build()
+}
+
+/// The names of the scene language besides the vocabulary's, sorted: `abs`, `acos`, ... No kind may
+/// have one of them.
+#[must_use]
+pub fn functions() -> Vec<String> {
+    let globals = globals(&Vocabulary::default());
+    let names = globals.names().map(|name| name.as_str().to_string());
+    names.filter(|name| name.starts_with(char::is_alphabetic)).collect()
 }

@@ -10,7 +10,7 @@ mod builder;
 mod query;
 
 use dioptric_math::bounds::gamma;
-use dioptric_math::{DVec2, DVec3};
+use dioptric_math::{DAffine3, DVec2, DVec3};
 
 use crate::bounds::Bounds;
 use crate::bvh::{BoxRay, Bvh};
@@ -160,6 +160,19 @@ impl World {
     #[must_use]
     pub fn shape(&self, object: u32) -> Option<&AnyShape> {
         self.object(object).map(|o| &o.shape)
+    }
+
+    /// The matrix from an object's own space to the space of rays; `None` where the hit is not of this
+    /// world.
+    #[must_use]
+    pub fn object_to_ray(&self, id: HitId) -> Option<DAffine3> {
+        let matrix =
+            |index: u32| self.transform(index).map_or(DAffine3::IDENTITY, |t| *t.to_world());
+        let object = matrix(self.object(id.object)?.transform);
+        match id.instance {
+            HitId::NO_INSTANCE => Some(object),
+            instance => Some(matrix(self.instance(instance)?.transform) * object),
+        }
     }
 
     /// Bytes on the heap, without what single shapes keep there for themselves.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The functions and constants that scenes compute with. Angles are in radians, as in Python.
 
-use dioptric_math as math;
+use dioptric_math as f;
 use starlark::environment::GlobalsBuilder;
 use starlark::eval::Evaluator;
 use starlark::starlark_module;
@@ -25,8 +25,8 @@ fn checked(x: f64, what: impl FnOnce() -> String) -> starlark::Result<f64> {
     }
 }
 
-fn one(name: &str, f: impl Fn(f64) -> f64, x: UnpackFloat) -> starlark::Result<f64> {
-    checked(f(x.0), || format!("{name}({})", x.0))
+fn one(name: &str, function: impl Fn(f64) -> f64, x: UnpackFloat) -> starlark::Result<f64> {
+    checked(function(x.0), || format!("{name}({})", x.0))
 }
 
 fn whole<'v>(name: &str, x: f64, heap: Heap<'v>) -> starlark::Result<Value<'v>> {
@@ -44,34 +44,34 @@ fn wrong(message: impl Into<String>) -> starlark::Error {
 #[starlark_module]
 fn scene_functions(builder: &mut GlobalsBuilder) {
     fn sin(#[starlark(require = pos)] x: UnpackFloat) -> starlark::Result<f64> {
-        one("sin", math::sin, x)
+        one("sin", f::sin, x)
     }
 
     fn cos(#[starlark(require = pos)] x: UnpackFloat) -> starlark::Result<f64> {
-        one("cos", math::cos, x)
+        one("cos", f::cos, x)
     }
 
     fn tan(#[starlark(require = pos)] x: UnpackFloat) -> starlark::Result<f64> {
-        one("tan", math::tan, x)
+        one("tan", f::tan, x)
     }
 
     fn asin(#[starlark(require = pos)] x: UnpackFloat) -> starlark::Result<f64> {
-        one("asin", math::asin, x)
+        one("asin", f::asin, x)
     }
 
     fn acos(#[starlark(require = pos)] x: UnpackFloat) -> starlark::Result<f64> {
-        one("acos", math::acos, x)
+        one("acos", f::acos, x)
     }
 
     fn atan(#[starlark(require = pos)] x: UnpackFloat) -> starlark::Result<f64> {
-        one("atan", math::atan, x)
+        one("atan", f::atan, x)
     }
 
     fn atan2(
         #[starlark(require = pos)] y: UnpackFloat,
         #[starlark(require = pos)] x: UnpackFloat,
     ) -> starlark::Result<f64> {
-        checked(math::atan2(y.0, x.0), || format!("atan2({}, {})", y.0, x.0))
+        checked(f::atan2(y.0, x.0), || format!("atan2({}, {})", y.0, x.0))
     }
 
     fn sqrt(#[starlark(require = pos)] x: UnpackFloat) -> starlark::Result<f64> {
@@ -79,7 +79,7 @@ fn scene_functions(builder: &mut GlobalsBuilder) {
     }
 
     fn exp(#[starlark(require = pos)] x: UnpackFloat) -> starlark::Result<f64> {
-        one("exp", math::exp, x)
+        one("exp", f::exp, x)
     }
 
     fn log(
@@ -87,9 +87,9 @@ fn scene_functions(builder: &mut GlobalsBuilder) {
         #[starlark(require = pos)] base: Option<UnpackFloat>,
     ) -> starlark::Result<f64> {
         match base {
-            None => one("log", math::ln, x),
+            None => one("log", f::ln, x),
             Some(base) => {
-                let log = math::ln(x.0) / math::ln(base.0);
+                let log = f::ln(x.0) / f::ln(base.0);
                 checked(log, || format!("log({}, {})", x.0, base.0))
             }
         }
@@ -99,7 +99,7 @@ fn scene_functions(builder: &mut GlobalsBuilder) {
         #[starlark(require = pos)] x: UnpackFloat,
         #[starlark(require = pos)] y: UnpackFloat,
     ) -> starlark::Result<f64> {
-        checked(math::pow(x.0, y.0), || format!("pow({}, {})", x.0, y.0))
+        checked(f::pow(x.0, y.0), || format!("pow({}, {})", x.0, y.0))
     }
 
     fn floor<'v>(
