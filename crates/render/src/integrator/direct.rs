@@ -8,7 +8,6 @@ use dioptric_math::{DVec3, Spectrum, normalize, pow, powi};
 use serde_json::{Value, json};
 
 use super::media::absorbed;
-use super::optics::reflect;
 use super::recorder::Recorder;
 use super::whitted::{Point, Whitted};
 use crate::light::LightSample;
@@ -222,7 +221,10 @@ impl<'a, R: Recorder> Whitted<'a, R> {
 /// How strong a highlight is for a normal, the direction to the light and the one to the viewer.
 fn strength(highlight: &Highlight, normal: DVec3, to_light: DVec3, to_viewer: DVec3) -> f64 {
     let base = match highlight.model {
-        HighlightModel::Phong => reflect(-to_light, normal).dot(to_viewer),
+        // r . v with r = 2 (n . l) n - l, without making r.
+        HighlightModel::Phong => {
+            2.0 * normal.dot(to_light) * normal.dot(to_viewer) - to_light.dot(to_viewer)
+        }
         HighlightModel::Blinn => {
             normalize(to_light + to_viewer).map_or(0.0, |half| half.dot(normal))
         }

@@ -15,64 +15,72 @@ pub struct Medium {
     pub absorption: Spectrum,
 }
 
-/// How many objects may be nested around a ray; deeper ones are not remembered.
-const CAPACITY: usize = 16;
+/// The innermost object around a ray, as its place in the [`Media`] of the sample; `None` outside of
+/// all. Rays of one tree share the list, so that a ray carries one number.
+pub type Inside = Option<u32>;
 
-/// A small stack, cheap to copy along a tree of rays.
-#[derive(Clone, Copy, Debug)]
-pub struct MediumStack {
-    items: [Option<Medium>; CAPACITY],
-    len: usize,
+/// All surroundings that the rays of one sample have been in.
+#[derive(Debug)]
+pub struct Media {
+    /// Each medium with what is around it. Empty (and without memory) until a ray enters something.
+    nested: Vec<(Medium, Inside)>,
     /// Index of refraction outside of all objects.
     around: f64,
 }
 
-impl MediumStack {
-    /// Outside of everything, in a space with this index of refraction.
+impl Media {
+    /// Nothing entered yet, in a space with this index of refraction.
     #[must_use]
-    pub const fn outside(around: f64) -> Self {
-        Self { items: [None; CAPACITY], len: 0, around }
+    pub const fn new(around: f64) -> Self {
+        Self { nested: Vec::new(), around }
     }
 
-    /// The innermost object.
+    /// The innermost medium.
     #[must_use]
-    pub fn top(&self) -> Option<&Medium> {
-        self.items[..self.len].last().and_then(Option::as_ref)
+    pub fn top(&self, inside: Inside) -> Option<&Medium> {
+        self.entry(inside).map(|(medium, _)| medium)
     }
 
     /// Index of refraction where the ray is.
     #[must_use]
-    pub fn ior(&self) -> f64 {
-        self.top().map_or(self.around, |m| m.ior)
+    pub fn ior(&self, inside: Inside) -> f64 {
+        self.top(inside).map_or(self.around, |m| m.ior)
     }
 
     /// Whether the ray is inside this object.
     #[must_use]
-    pub fn contains(&self, object: &HitId) -> bool {
-        self.items[..self.len].iter().flatten().any(|m| m.object.same_object(object))
+    pub fn contains(&self, mut inside: Inside, object: &HitId) -> bool {
+        while let Some((medium, outer)) = self.entry(inside) {
+            if medium.object.same_object(object) {
+                return true;
+            }
+            inside = *outer;
+        }
+        false
     }
 
     /// With one more object around the ray.
-    #[must_use]
-    pub fn entered(mut self, medium: Medium) -> Self {
-        if self.len < CAPACITY {
-            self.items[self.len] = Some(medium);
-            self.len += 1;
-        }
-        self
+    pub fn enter(&mut self, inside: Inside, medium: Medium) -> Inside {
+        self.nested.push((medium, inside));
+        Some(self.nested.len() as u32 - 1)
     }
 
-    /// Without the innermost entry of this object.
-    #[must_use]
-    pub fn left(mut self, object: &HitId) -> Self {
-        let found = (0..self.len)
-            .rev()
-            .find(|&i| self.items[i].is_some_and(|m| m.object.same_object(object)));
-        if let Some(i) = found {
-            self.items.copy_within(i + 1..self.len, i);
-            self.len -= 1;
+    /// Without the innermost entry of this object, wherever it is among the others.
+    pub fn leave(&mut self, inside: Inside, object: &HitId) -> Inside {
+        if !self.contains(inside, object) {
+            return inside;
         }
-        self
+        let &(medium, outer) = self.entry(inside)?;
+        if medium.object.same_object(object) {
+            return outer;
+        }
+        // Objects that overlap are left in another order than they were entered.
+        let outer = self.leave(outer, object);
+        self.enter(outer, medium)
+    }
+
+    fn entry(&self, inside: Inside) -> Option<&(Medium, Inside)> {
+        self.nested.get(inside? as usize)
     }
 }
 
@@ -97,20 +105,28 @@ mod tests {
 
     #[test]
     fn leaving_in_any_order_restores_the_outer_medium() {
-        let both = MediumStack::outside(1.0).entered(medium(1, 1.5)).entered(medium(2, 1.33));
-        assert_eq!(both.ior(), 1.33);
-        assert_eq!(both.left(&medium(2, 0.0).object).ior(), 1.5);
-        assert_eq!(both.left(&medium(1, 0.0).object).ior(), 1.33);
-        assert_eq!(both.left(&medium(3, 0.0).object).ior(), 1.33);
-        assert_eq!(both.left(&medium(1, 0.0).object).left(&medium(2, 0.0).object).ior(), 1.0);
+        let mut media = Media::new(1.0);
+        let one = media.enter(None, medium(1, 1.5));
+        let both = media.enter(one, medium(2, 1.33));
+        let mut after = |objects: &[u32]| {
+            let left = objects.iter().fold(both, |i, &o| media.leave(i, &medium(o, 0.0).object));
+            media.ior(left)
+        };
+        assert_eq!(after(&[]), 1.33);
+        assert_eq!(after(&[2]), 1.5);
+        assert_eq!(after(&[1]), 1.33);
+        assert_eq!(after(&[3]), 1.33);
+        assert_eq!(after(&[1, 2]), 1.0);
+        assert_eq!(after(&[2, 1]), 1.0);
     }
 
     #[test]
-    fn a_full_stack_forgets_instead_of_failing() {
-        let mut stack = MediumStack::outside(1.0);
-        for i in 0..100 {
-            stack = stack.entered(medium(i, 1.5));
-        }
-        assert!(stack.contains(&medium(0, 0.0).object) && !stack.contains(&medium(99, 0.0).object));
+    fn rays_of_one_tree_do_not_disturb_each_other() {
+        let mut media = Media::new(1.2);
+        let glass = media.enter(None, medium(1, 1.5));
+        let _water_in_glass = media.enter(glass, medium(2, 1.33));
+        assert_eq!(media.ior(glass), 1.5);
+        assert!(!media.contains(glass, &medium(2, 0.0).object));
+        assert_eq!(media.ior(None), 1.2);
     }
 }

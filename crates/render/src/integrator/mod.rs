@@ -27,7 +27,7 @@ pub fn radiance<R: Recorder>(
     recorder: &mut R,
 ) -> Radiance {
     match scene.settings.integrator {
-        Integrator::Whitted => whitted::Whitted { scene, stream, counts, recorder }.radiance(ray),
+        Integrator::Whitted => whitted::Whitted::new(scene, stream, counts, recorder).radiance(ray),
         other => view::radiance(other, scene, ray, stream, counts, recorder),
     }
 }

@@ -105,18 +105,13 @@ impl<'a, R: Recorder> Whitted<'a, R> {
         let weight = weight * left;
         match end {
             End::Outside(ray, departure) => {
-                let media = state.media.left(&medium.object);
-                self.follow(RayKind::Transmitted, (ray, departure), weight, state, media)
+                let outer = self.media.leave(state.inside, &medium.object);
+                self.follow(RayKind::Transmitted, (ray, departure), weight, state, outer)
             }
             End::Inside(ray, departure) => {
-                let outer = state.media.left(&medium.object);
-                self.follow(
-                    RayKind::Transmitted,
-                    (ray, departure),
-                    weight,
-                    state,
-                    outer.entered(*medium),
-                )
+                let outer = self.media.leave(state.inside, &medium.object);
+                let inside = self.media.enter(outer, *medium);
+                self.follow(RayKind::Transmitted, (ray, departure), weight, state, inside)
             }
             End::Lost => {
                 self.recorder.note("inner_reflection_limit", || json!(INNER_REFLECTIONS));

@@ -100,8 +100,7 @@ fn rays_view<R: Recorder>(
     recorder: &mut R,
 ) -> Radiance {
     let mut own = RayCounts::default();
-    let light = Whitted { scene, stream, counts: &mut own, recorder: &mut super::recorder::Silent }
-        .radiance(ray);
+    let light = Whitted::new(scene, stream, &mut own, &mut super::recorder::Silent).radiance(ray);
     counts.add(&own);
     let color = Spectrum::splat(own.total() as f64 / MANY_RAYS);
     recorder.begin(RayKind::Camera, ray);

@@ -9,7 +9,7 @@ use dioptric_geometry::{Departure, Ray};
 use dioptric_math::{DVec3, Spectrum};
 use serde_json::json;
 
-use super::media::{Medium, MediumStack, absorbed};
+use super::media::{Inside, Media, Medium, absorbed};
 use super::optics::{facet_normal, fresnel, reflect as mirror, refract, schlick};
 use super::recorder::{HitRecord, RayKind, Recorder};
 use crate::film::{FirstHit, Radiance};
@@ -21,13 +21,15 @@ use crate::stats::RayCounts;
 /// One sample's tree of rays.
 pub struct Whitted<'a, R> {
     /// What rays are cast into.
-    pub scene: &'a Scene,
+    pub(super) scene: &'a Scene,
     /// The sample's random numbers.
-    pub stream: &'a mut Stream,
+    pub(super) stream: &'a mut Stream,
     /// Rays cast so far.
-    pub counts: &'a mut RayCounts,
+    pub(super) counts: &'a mut RayCounts,
     /// Who listens.
-    pub recorder: &'a mut R,
+    pub(super) recorder: &'a mut R,
+    /// Transparent objects that this sample's rays have been in.
+    pub(super) media: Media,
 }
 
 /// What a ray carries along the tree.
@@ -37,8 +39,8 @@ pub(super) struct State {
     pub depth: u32,
     /// The largest lane of the product of all weights so far.
     pub throughput: f64,
-    /// Transparent objects around the ray.
-    pub media: MediumStack,
+    /// The innermost transparent object around the ray.
+    pub inside: Inside,
 }
 
 /// A point being shaded, with the incoming ray.
@@ -68,14 +70,20 @@ impl Point<'_> {
 }
 
 impl<'a, R: Recorder> Whitted<'a, R> {
+    /// Ready for one camera's ray.
+    pub fn new(
+        scene: &'a Scene,
+        stream: &'a mut Stream,
+        counts: &'a mut RayCounts,
+        recorder: &'a mut R,
+    ) -> Self {
+        Self { scene, stream, counts, recorder, media: Media::new(scene.surroundings.ior) }
+    }
+
     /// The radiance that a camera's ray brings, and what it met first.
     pub fn radiance(&mut self, ray: &Ray) -> Radiance {
         let mut first = FirstHit::NONE;
-        let state = State {
-            depth: 0,
-            throughput: 1.0,
-            media: MediumStack::outside(self.scene.surroundings.ior),
-        };
+        let state = State { depth: 0, throughput: 1.0, inside: None };
         self.counts.camera += 1;
         self.recorder.begin(RayKind::Camera, ray);
         let color = self.value(ray, None, &state, Some(&mut first));
@@ -92,7 +100,7 @@ impl<'a, R: Recorder> Whitted<'a, R> {
         (ray, departure): (Ray, Departure),
         weight: Spectrum,
         state: &State,
-        media: MediumStack,
+        inside: Inside,
     ) -> Spectrum {
         let throughput = state.throughput * weight.max_element();
         if !(throughput > 0.0) || throughput < self.scene.settings.min_contribution {
@@ -109,7 +117,7 @@ impl<'a, R: Recorder> Whitted<'a, R> {
         let value = self.value(
             &ray,
             Some(&departure),
-            &State { depth: state.depth + 1, throughput, media },
+            &State { depth: state.depth + 1, throughput, inside },
             None,
         );
         self.recorder.end(weight, value);
@@ -124,7 +132,7 @@ impl<'a, R: Recorder> Whitted<'a, R> {
         state: &State,
         first: Option<&mut FirstHit>,
     ) -> Spectrum {
-        let (value, distance) = match self.nearest(ray, departure, &state.media) {
+        let (value, distance) = match self.nearest(ray, departure, state.inside) {
             Some((hit, shading)) => (self.surface(ray, hit, shading, state, first), hit.t),
             None => {
                 let value = self.scene.background.radiance(ray.direction);
@@ -132,7 +140,7 @@ impl<'a, R: Recorder> Whitted<'a, R> {
                 (value, f64::INFINITY)
             }
         };
-        self.attenuated(value, distance, &state.media)
+        self.attenuated(value, distance, state.inside)
     }
 
     /// The nearest hit. Inside of a transparent object its own surface comes before any other that
@@ -141,13 +149,13 @@ impl<'a, R: Recorder> Whitted<'a, R> {
         &self,
         ray: &Ray,
         departure: Option<&Departure>,
-        media: &MediumStack,
+        inside: Inside,
     ) -> Option<(Hit, Shading<'a>)> {
         let scene = self.scene;
         let hit = scene.world.closest(ray, f64::INFINITY, departure)?;
         let shading = scene.shading(ray, &hit)?;
-        if let Some(inside) = media.top().filter(|m| !m.object.same_object(&hit.id)) {
-            let id = inside.object;
+        if let Some(around) = self.media.top(inside).filter(|m| !m.object.same_object(&hit.id)) {
+            let id = around.object;
             if let Some(exit) =
                 scene.world.closest_of(ray, f64::INFINITY, departure, id.instance, id.object)
             {
@@ -161,9 +169,9 @@ impl<'a, R: Recorder> Whitted<'a, R> {
     }
 
     /// Absorption by the innermost medium, and fog outside of all, over the distance of a ray.
-    fn attenuated(&mut self, mut value: Spectrum, distance: f64, media: &MediumStack) -> Spectrum {
+    fn attenuated(&mut self, mut value: Spectrum, distance: f64, inside: Inside) -> Spectrum {
         let scene = self.scene;
-        let left = match media.top() {
+        let left = match self.media.top(inside) {
             Some(medium) => absorbed(medium.absorption, distance / scene.root.scale()),
             None => scene.surroundings.transmittance(distance),
         };
@@ -172,7 +180,7 @@ impl<'a, R: Recorder> Whitted<'a, R> {
             self.recorder.scale(left);
             value *= left;
         }
-        let Some(fog) = scene.fog.as_ref().filter(|_| media.top().is_none()) else { return value };
+        let Some(fog) = scene.fog.as_ref().filter(|_| inside.is_none()) else { return value };
         let left = fog.transmittance(distance);
         let glow = fog.color * (1.0 - left);
         self.recorder.scale(Spectrum::splat(left));
@@ -206,8 +214,8 @@ impl<'a, R: Recorder> Whitted<'a, R> {
             };
         }
         let point = Point { ray: *ray, hit, shading, finish, normal, outside };
-        let scene = self.scene;
-        self.recorder.hit(|| record(scene, &point, state));
+        let (scene, medium) = (self.scene, self.media.top(state.inside));
+        self.recorder.hit(|| record(scene, &point, state, medium));
 
         if point.finish.optics == Optics::Opaque {
             return self.own(&point);
@@ -233,7 +241,7 @@ impl<'a, R: Recorder> Whitted<'a, R> {
                     point.spawn(direction),
                     weight,
                     state,
-                    state.media,
+                    state.inside,
                 )
             }
             Optics::Shares { own, ior, tint, absorption } => {
@@ -269,16 +277,17 @@ impl<'a, R: Recorder> Whitted<'a, R> {
         let mut value = if point.outside { self.own(point) } else { Spectrum::ZERO };
         let scene = self.scene;
         let solid = scene.world.shape(point.hit.id.object).is_some_and(|s| s.is_solid());
-        let (from, to, media) = if !solid {
+        let here = self.media.ior(state.inside);
+        let (from, to, inside) = if !solid {
             // A pane without thickness: it mirrors, and what goes through goes straight on.
-            (state.media.ior(), state.media.ior() * medium.ior, state.media)
+            (here, here * medium.ior, state.inside)
         } else if point.outside {
-            (state.media.ior(), medium.ior, state.media.entered(*medium))
+            (here, medium.ior, self.media.enter(state.inside, *medium))
         } else {
             // An object that the ray never entered (the camera is inside of it) is left all the same.
-            let known = state.media.contains(&medium.object);
-            let outer = state.media.left(&medium.object);
-            (if known { state.media.ior() } else { medium.ior }, outer.ior(), outer)
+            let known = self.media.contains(state.inside, &medium.object);
+            let outer = self.media.leave(state.inside, &medium.object);
+            (if known { here } else { medium.ior }, self.media.ior(outer), outer)
         };
         let eta = from / to;
         let d = point.ray.direction;
@@ -296,21 +305,21 @@ impl<'a, R: Recorder> Whitted<'a, R> {
                 point.spawn(direction),
                 tint * reflected,
                 state,
-                state.media,
+                state.inside,
             );
         }
         if let Some(direction) = through.filter(|t| t.dot(point.geometric()) < 0.0) {
             let tint = if point.outside { tint_through } else { Spectrum::ONE };
             let weight = tint * (1.0 - reflected);
             value +=
-                self.follow(RayKind::Transmitted, point.spawn(direction), weight, state, media);
+                self.follow(RayKind::Transmitted, point.spawn(direction), weight, state, inside);
         }
         value
     }
 }
 
 /// What a recorder wants to know of a hit.
-fn record(scene: &Scene, point: &Point, state: &State) -> HitRecord {
+fn record(scene: &Scene, point: &Point, state: &State, medium: Option<&Medium>) -> HitRecord {
     let (s, p) = (&point.shading.surface, &point.shading.point);
     let mut detail = serde_json::Map::new();
     let mut put = |key: &str, value| drop(detail.insert(key.into(), value));
@@ -323,7 +332,7 @@ fn record(scene: &Scene, point: &Point, state: &State) -> HitRecord {
     put("uv", json!(s.uv.to_array()));
     put("pattern", json!(point.finish.base.to_array()));
     put("bounce", json!(state.depth));
-    if let Some(medium) = state.media.top() {
+    if let Some(medium) = medium {
         put("medium", json!({"object": scene.object_label(medium.object), "ior": medium.ior}));
     }
     HitRecord {
