@@ -79,6 +79,7 @@ impl Failure {
         valid.sort_unstable();
         let help = match suggest::nearest(word, valid.iter().copied()) {
             Some(name) => format!("did you mean \"{name}\"?"),
+            None if valid.len() > 12 => "dioptric list shows them all".into(),
             None => format!("one of: {}", valid.join(", ")),
         };
         Self::usage(format!("unknown {what} \"{word}\""), help)

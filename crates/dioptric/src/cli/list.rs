@@ -25,8 +25,11 @@ pub fn run(args: &ListArgs) -> Result<(), Failure> {
     let text = match (&args.what, &args.kind) {
         (None, _) => Category::ALL.iter().map(|&c| table(&all, c)).collect::<Vec<_>>().join("\n"),
         (Some(what), None) => match (category(what), all.get(what)) {
-            // `camera` and `light` are both: the page is what `list light light` shows.
-            (Some(category), _) => table(&all, category),
+            // `camera` and `light` are both.
+            (Some(category), Some(schema)) => {
+                format!("{}\n{}", table(&all, category), page::text(schema))
+            }
+            (Some(category), None) => table(&all, category),
             (None, Some(schema)) => page::text(schema),
             (None, None) => return Err(unknown(&all, what)),
         },

@@ -48,8 +48,8 @@ pub struct SceneOptions {
     /// Objects that the scene may have [default: 10 million].
     #[arg(long, value_name = "N", help_heading = "Limits")]
     max_objects: Option<usize>,
-    /// Memory that reading the scene may take, such as 512M or 8G [default: 4G].
-    #[arg(long, value_name = "BYTES", value_parser = bytes, help_heading = "Limits")]
+    /// Memory that reading the scene may take, in MiB, or such as 8G [default: 4G].
+    #[arg(long, value_name = "MIB", value_parser = bytes, help_heading = "Limits")]
     max_memory: Option<u64>,
 }
 
@@ -249,22 +249,21 @@ fn rate(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "write a number above 0".into())
 }
 
-/// A number of bytes with or without K, M or G (of 1024).
+/// Bytes from a number of MiB, or from one with K, M or G (of 1024) behind it.
 fn bytes(text: &str) -> Result<u64, String> {
     let split = text.find(|c: char| !c.is_ascii_digit()).unwrap_or(text.len());
     let (digits, unit) = text.split_at(split);
     let shift = match unit.trim_end_matches(['B', 'b', 'i']) {
-        "" => 0,
         "K" | "k" => 10,
-        "M" | "m" => 20,
+        "" | "M" | "m" => 20,
         "G" | "g" => 30,
-        _ => return Err("write a number of bytes, such as 512M or 8G".into()),
+        _ => return Err("write an amount of memory, such as 512 (MiB) or 8G".into()),
     };
     digits
         .parse::<u64>()
         .ok()
         .and_then(|n| n.checked_mul(1 << shift))
-        .ok_or_else(|| "write a number of bytes, such as 512M or 8G".into())
+        .ok_or_else(|| "write an amount of memory, such as 512 (MiB) or 8G".into())
 }
 
 #[cfg(test)]
@@ -275,7 +274,8 @@ mod tests {
     fn sizes_have_units() {
         assert_eq!(bytes("512M"), Ok(512 << 20));
         assert_eq!(bytes("8GiB"), Ok(8 << 30));
-        assert_eq!(bytes("100"), Ok(100));
+        assert_eq!(bytes("100"), Ok(100 << 20));
+        assert_eq!(bytes("64K"), Ok(65536));
         for wrong in ["", "M", "-1", "1T", "99999999999999999999G", "1.5G"] {
             assert!(bytes(wrong).is_err(), "{wrong}");
         }

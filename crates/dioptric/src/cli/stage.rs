@@ -12,7 +12,7 @@ const CAMERA: &str = "camera(eye = (2.2, 2.6, 5.6), look_at = (0, 0.85, 0), fov 
 const LIGHTS: &str = "light(position = (-4, 7, 6), intensity = 0.7)\n\
                       light(position = (6, 5, 3), intensity = 0.25)";
 const AMBIENT: &str = "ambient(0.12)";
-const BACKGROUND: &str = "background(gradient([(0, (0.75, 0.82, 0.9)), (1, (0.35, 0.5, 0.75))], start = (0, 0, 0), end = (0, 1, 0)))";
+const BACKGROUND: &str = "background(gradient(low = (0.8, 0.86, 0.92), high = (0.4, 0.55, 0.78)))";
 const FLOOR: &str = "plane(point = (0, 0, 0), material = matte(checker((0.82, 0.82, 0.8), (0.62, 0.63, 0.65), size = (1, 0, 1))), name = \"stage floor\")";
 const ACTORS: &str = "sphere(center = (-1.1, 0.7, 0), radius = 0.7, material = plastic(\"crimson\"))\n\
                       box(min = (0.3, 0, -0.5), max = (1.3, 1, 0.5), material = matte(\"seagreen\"))";
@@ -41,20 +41,17 @@ pub fn staged(schema: &Schema, files: &FolderLoader) -> Result<Description, Read
         let loader = Text { text, files };
         read(NAME, &loader, &vocabulary(), &ReadOptions::default()).map(|r| r.description)
     };
-    let alone = read_text(schema.example.to_string())?;
-    let has = |category: Category| {
-        alone.roots.iter().any(|&id| alone.node(id).schema.category == category)
-    };
-    let has_kind = |kind: &str| alone.roots_of(kind).next().is_some();
+    let own = |category: Category| schema.category == category;
     let mut lines = vec![schema.example];
-    let mut add = |text, wanted| {
-        if wanted {
-            lines.push(text)
-        }
-    };
+    // A scene without a camera is not read at all.
+    lines.extend(Some(CAMERA).filter(|_| !own(Category::Camera)));
+    lines.extend(Some(LIGHTS).filter(|_| !own(Category::Light)));
+    let lit = read_text(lines.join("\n"))?;
+    let has =
+        |category: Category| lit.roots.iter().any(|&id| lit.node(id).schema.category == category);
+    let has_kind = |kind: &str| lit.roots_of(kind).next().is_some();
+    let mut add = |text, wanted: bool| lines.extend(Some(text).filter(|_| wanted));
     add(SIZE, !has_kind("render"));
-    add(CAMERA, !has(Category::Camera));
-    add(LIGHTS, !has(Category::Light));
     add(AMBIENT, !has_kind("ambient"));
     add(BACKGROUND, !has_kind("background") && !has_kind("fog"));
     add(FLOOR, !has_kind("plane"));

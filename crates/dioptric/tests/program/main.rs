@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The program, run as a user runs it: exit statuses, messages, files, and the promises about them.
+
+#![allow(clippy::disallowed_methods, missing_docs)] // tests may use the system's functions
+
+mod animation;
+mod commands;
+mod corpus;
+mod determinism;
+mod interruption;
+mod output;
+mod run;
+mod why;
