@@ -28,6 +28,10 @@ pub fn refract(direction: DVec3, n: DVec3, eta: f64) -> Option<DVec3> {
 /// 7th ed., section 1.5.2). 1 where all is reflected.
 #[must_use]
 pub fn fresnel(cos_i: f64, eta: f64) -> f64 {
+    // No interface at all; rounding would leave a trace of a reflection that costs a ray.
+    if eta == 1.0 {
+        return 0.0;
+    }
     let cos_i = cos_i.clamp(0.0, 1.0);
     let sin2_t = eta * eta * (1.0 - cos_i * cos_i);
     if sin2_t >= 1.0 {
