@@ -14,6 +14,7 @@ pub mod report;
 mod build;
 mod call;
 mod depth;
+mod nff;
 mod options;
 mod starlark;
 
@@ -68,6 +69,7 @@ pub fn read(
     let reader = match extension.to_ascii_lowercase().as_str() {
         "star" => starlark::read,
         "json" => json::read,
+        "nff" => nff::read,
         _ => {
             return Err(fail(
                 Diagnostic::error("unknown-format", format!("{path} is in no known scene format"))
@@ -81,7 +83,7 @@ pub fn read(
 }
 
 /// The extensions of the formats that [`read`] knows.
-pub const EXTENSIONS: &[&str] = &[".star", ".json"];
+pub const EXTENSIONS: &[&str] = &[".star", ".json", ".nff"];
 
 /// The text of a scene file, with the reasons why it is none.
 fn decode(path: &str, bytes: Vec<u8>, options: &ReadOptions) -> Result<String, ReadError> {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Checks of a whole scene, after each node was checked against its schema.
 //!
-//! It knows categories, and four words of the vocabulary: `ambient`, `background` and `emission`
-//! are light too, and `camera` is what a scene without a camera should write.
+//! It knows categories, and a few words of the vocabulary: those by which a scene without lights is
+//! still bright, and what a scene without a camera or light should write.
 
 use std::collections::HashMap;
 
@@ -12,8 +12,10 @@ use crate::schema::Category;
 use crate::source::{FileId, Span};
 use crate::suggest;
 
-/// Settings and parameters by which a scene without lights can still be bright.
-const BRIGHT: [&str; 4] = ["ambient", "background", "environment", "emission"];
+/// Kinds by which a scene without lights is still not black.
+const BRIGHT_KINDS: [&str; 4] = ["ambient", "background", "environment", "glow"];
+/// Parameters by which a surface shines.
+const BRIGHT_PARAMS: [&str; 1] = ["emission"];
 
 /// Nodes within nodes: no reader makes a description that nests deeper, so whoever walks one may
 /// call itself for every level.
@@ -118,8 +120,8 @@ fn repeated_settings(scene: &Description, found: &mut Vec<Diagnostic>) {
 fn is_lit(scene: &Description) -> bool {
     scene.nodes.iter().any(|node| {
         node.schema.category == Category::Light
-            || BRIGHT.contains(&node.schema.kind)
-            || BRIGHT.iter().any(|word| node.arg(word).is_some())
+            || BRIGHT_KINDS.contains(&node.schema.kind)
+            || BRIGHT_PARAMS.iter().any(|name| node.arg(name).is_some())
     })
 }
 
