@@ -60,11 +60,36 @@ static CAMERA: Schema = schema(
     &[
         optional("eye", Type::Vec3),
         optional("look_at", Type::Vec3),
+        optional("up", Type::Vec3),
         optional("fov", Type::Number { min: 1e-3, max: 179.0 }),
     ],
 );
 static BACKGROUND: Schema =
     schema("background", Category::Setting, &[optional("color", Type::Color)]);
+
+static RENDER: Schema = schema(
+    "render",
+    Category::Setting,
+    &[
+        optional("size", Type::Vec2),
+        optional("bounces", Type::Integer { min: 0, max: 64 }),
+        optional("shadows", Type::Text),
+    ],
+);
+static SCENE: Schema = schema("scene", Category::Setting, &[optional("colors", Type::Text)]);
+static DEVELOP: Schema = schema("develop", Category::Setting, &[optional("encoding", Type::Text)]);
+static PHONG: Schema = schema(
+    "phong",
+    Category::Material,
+    &[
+        optional("color", Type::Color),
+        optional("diffuse", Type::UNIT),
+        optional("ambient", Type::UNIT),
+        optional("specular", Type::UNIT),
+        optional("exponent", Type::Positive),
+        optional("mirror", Type::UNIT),
+    ],
+);
 
 /// The kinds that the tests use.
 #[must_use]
