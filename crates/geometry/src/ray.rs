@@ -98,7 +98,9 @@ impl LocalRay {
     /// `speed` is `|direction . n|` with the surface's unit normal at the root, so that `-t * speed`
     /// is how far the origin lies beyond the surface; `surface_error` bounds the error of the root's
     /// own computation as a distance. A surface behind the origin by no more than the two errors is
-    /// where the ray starts: it is hit at 0.
+    /// where the ray starts: it is hit at 0. That is so for planes; where a surface is curved or ends, the
+    /// origin must be asked too ([`Self::starts_at`]), for a line that touches or slides along it far
+    /// behind has no speed.
     #[must_use]
     pub fn accept(&self, t: f64, speed: f64, surface_error: f64) -> Option<f64> {
         if t > 0.0 {
@@ -106,5 +108,12 @@ impl LocalRay {
         } else {
             (-t * speed <= self.error + surface_error).then_some(0.0)
         }
+    }
+
+    /// Whether the ray starts on a surface: `nearest` is the point of it that is nearest to the origin,
+    /// `surface_error` the bound on that point's error.
+    #[must_use]
+    pub fn starts_at(&self, nearest: DVec3, surface_error: f64) -> bool {
+        (self.origin - nearest).length() <= self.error + surface_error
     }
 }

@@ -51,7 +51,7 @@ pub struct LocalSurface {
 ///
 /// Rules that the batteries of tests hold every shape to:
 /// - `intersect` returns the nearest acceptable root. A root of a surface that is not being left is
-///   judged by [`LocalRay::accept`]. Where [`LocalRay::leaving`] is set, the point being left is no
+///   judged as by [`LocalRay::accept`] and [`LocalRay::starts_at`]. Where [`LocalRay::leaving`] is set, the point being left is no
 ///   hit: on a convex closed solid an outward ray hits nothing and an inward one the far side; on a
 ///   plane part nothing of that part; on a quadric part the other root, `-2 b / a` (the equation
 ///   with its constant term set to the exact 0); on higher surfaces the deflated polynomial's roots.

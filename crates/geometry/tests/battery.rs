@@ -5,29 +5,13 @@
 mod common;
 
 use common::specimens::specimens;
-use common::{Place, Specimen, direction, places, ray};
+use common::{Place, Specimen, direction, every, hit, ray};
 use dioptric_geometry::shapes::SCHEMAS;
-use dioptric_geometry::{Crossing, Leaving, LocalRay, LocalSurface, Root};
+use dioptric_geometry::{Crossing, Leaving, LocalRay};
 use dioptric_math::random::Random;
 use dioptric_math::{DVec2, DVec3};
 
 const HERE: Place = Place { scale: 1.0, offset: DVec3::ZERO };
-
-fn every(far: usize, mut test: impl FnMut(&Specimen, &mut Random)) {
-    for (i, place) in places(far, 1).into_iter().enumerate() {
-        let mut r = Random::new(100 + i as u64);
-        for specimen in specimens(place) {
-            test(&specimen, &mut r);
-        }
-    }
-}
-
-/// The nearest hit and its surface.
-fn hit(s: &Specimen, ray: &LocalRay) -> Option<(Root, LocalSurface)> {
-    let root = s.shape.intersect(ray)?;
-    assert!(root.t >= 0.0 && root.t <= ray.t_max, "{}: t = {}", s.name, root.t);
-    Some((root, s.shape.surface(ray.at(root.t), root.part)))
-}
 
 fn crossings(s: &Specimen, ray: &LocalRay) -> Vec<Crossing> {
     let mut out = Vec::new();
@@ -232,103 +216,6 @@ fn crossings_alternate_and_agree_with_dense_sampling() {
         }
     });
     println!("crossings: {lines} lines alternate, {samples} samples agree");
-}
-
-#[test]
-fn departing_rays_never_find_what_they_leave() {
-    let (mut shapes, mut outward, mut inward, mut again) = (0, 0, 0, 0);
-    every(9, |s, r| {
-        shapes += 1;
-        let mut tried = 0;
-        let mut spawned = 0;
-        while spawned < 1000 && tried < 1000 {
-            tried += 1;
-            let Some((root, f)) = hit(s, &s.ray(r)) else { continue };
-            let combined = ["union", "intersection", "difference"].contains(&s.shape.schema().kind);
-            for i in 0..40 {
-                spawned += 1;
-                let mut d = direction(r);
-                if i % 4 == 0 && !combined {
-                    // Grazing, down to almost nothing.
-                    let up = d.dot(f.normal);
-                    d += f.normal * (up * 1e-12 - up);
-                }
-                let up = d.dot(f.normal);
-                if up == 0.0 {
-                    continue;
-                }
-                let leaving = Some(Leaving { part: root.part, outward: up > 0.0 });
-                let next = LocalRay { error: f.error, leaving, ..ray(f.point, d) };
-                let found = hit(s, &next);
-                if up > 0.0 {
-                    outward += 1;
-                } else {
-                    inward += 1;
-                }
-                let where_ = || {
-                    format!(
-                        "{} {:?} part {} d {d} up {up:e}: {found:?}",
-                        s.name, s.place, root.part
-                    )
-                };
-                match found {
-                    None => {
-                        // A chord shorter than the bound has no far end on shapes that are not convex.
-                        let lost = up < -1e-9 || (up < 0.0 && s.shape.is_convex());
-                        assert!(!lost || s.inside.is_none(), "never comes out: {}", where_());
-                    }
-                    Some((far, g)) => {
-                        assert!(up < 0.0 || !s.shape.is_convex(), "hit again: {}", where_());
-                        let close = (g.point - f.point).length() <= f.error;
-                        assert!(up < 0.0 || !close, "within the bound: {}", where_());
-                        again += usize::from(close);
-                        // Where it comes out is on the surface, and the way there is inside.
-                        let off = s.distance(g.point).abs();
-                        assert!(off <= g.error + s.slack(), "{off:e} {:e}: {}", g.error, where_());
-                        let middle = s.distance(next.at(far.t * 0.5));
-                        let bound = 4.0 * (f.error + g.error) + s.slack();
-                        assert!(
-                            s.inside.is_none() || up > 0.0 || middle <= bound,
-                            "{middle:e} {bound:e}: {}",
-                            where_()
-                        );
-                    }
-                }
-            }
-        }
-    });
-    println!(
-        "departures: {shapes} shapes, {outward} rays outwards: 0 re-hits on convex ones; {inward} inwards, {again} of which end at an edge within the bound"
-    );
-}
-
-#[test]
-fn a_surface_within_the_error_of_the_origin_is_hit_at_zero() {
-    let mut tried = 0;
-    every(1, |s, r| {
-        for _ in 0..50 {
-            let Some((root, f)) = hit(s, &s.ray(r)) else { continue };
-            // Just beyond the surface, as another object's coincident surface would have it.
-            let d = direction(r);
-            let beyond = f.normal * (f.error * 0.5).copysign(d.dot(f.normal));
-            let start = LocalRay { error: f.error * 2.0, ..ray(f.point + beyond, d) };
-            let found = s.shape.intersect(&start);
-            let h = (1e-3 * s.feature * s.place.scale).max(4.0 * f.error);
-            if d.dot(f.normal).abs() > 1e-2 && !s.at_edge(f.point, h) {
-                tried += 1;
-                let near = |t: f64| (start.at(t) - f.point).length() <= h;
-                let zero = found.is_some_and(|root| root.t == 0.0 || near(root.t));
-                assert!(zero, "{} {:?} part {}: {found:?}", s.name, s.place, root.part);
-            }
-            // The same surface far behind is not hit.
-            let away = LocalRay {
-                error: f.error,
-                ..ray(f.point + f.normal * s.size * s.place.scale * 4.0, f.normal)
-            };
-            assert!(!s.shape.is_convex() || s.shape.intersect(&away).is_none(), "{}", s.name);
-        }
-    });
-    println!("coincident surfaces: {tried} hit at 0");
 }
 
 #[test]

@@ -185,7 +185,7 @@ impl Frustum {
             } else {
                 let (side, tolerance) = (self.side_height(ray.origin).0, ray.error + self.error);
                 let (y, high) = (line.y, self.height + tolerance);
-                if within.contains(&t) && side.abs() <= tolerance && y >= -tolerance && y <= high {
+                if side.abs() <= tolerance && y >= -tolerance && y <= high {
                     return root(ray, 0.0, SIDE);
                 }
             }

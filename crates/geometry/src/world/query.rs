@@ -289,12 +289,14 @@ fn solid_hits(object: &Object, ray: &LocalRay, out: &mut Vec<Crossing>) {
         }
         let surface = object.shape.surface(ray.at(c.t), c.part);
         let speed = ray.direction.dot(surface.normal).abs();
+        // A line that slides along the surface far behind has no speed.
+        let own = object.shape.surface(ray.origin, c.part);
         match ray.accept(c.t, speed, surface.error) {
-            Some(t) => {
+            Some(t) if ray.starts_at(own.point, own.error) => {
                 c.t = t;
                 true
             }
-            None => false,
+            _ => false,
         }
     });
 }

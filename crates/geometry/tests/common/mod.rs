@@ -11,7 +11,7 @@ pub mod flat;
 pub mod specimens;
 
 use dioptric_geometry::shapes::SCHEMAS;
-use dioptric_geometry::{AnyShape, LocalRay};
+use dioptric_geometry::{AnyShape, LocalRay, LocalSurface, Root};
 use dioptric_math::DVec3;
 use dioptric_math::random::Random;
 use dioptric_scene::args::make_node;
@@ -97,7 +97,9 @@ impl Specimen {
     /// A ray from outside towards the shape; its direction is of any length.
     pub fn ray(&self, r: &mut Random) -> LocalRay {
         let target = self.target(r);
-        let reach = self.size * self.place.scale * r.uniform(1.0, 4.0);
+        // One in eight comes from far away.
+        let far = if r.bits().is_multiple_of(8) { 1e5 } else { 1.0 };
+        let reach = self.size * self.place.scale * r.uniform(1.0, 4.0) * far;
         let origin = target + direction(r) * reach;
         let length = r.uniform(0.5, 2.0);
         ray(origin, (target - origin) * (length / reach))
@@ -212,4 +214,21 @@ pub fn places(far: usize, seed: u64) -> Vec<Place> {
         }
     }
     places
+}
+
+/// Every specimen at every place, `far` places far away for each size.
+pub fn every(far: usize, mut test: impl FnMut(&Specimen, &mut Random)) {
+    for (i, place) in places(far, 1).into_iter().enumerate() {
+        let mut r = Random::new(100 + i as u64);
+        for specimen in specimens::specimens(place) {
+            test(&specimen, &mut r);
+        }
+    }
+}
+
+/// The nearest hit and its surface.
+pub fn hit(s: &Specimen, ray: &LocalRay) -> Option<(Root, LocalSurface)> {
+    let root = s.shape.intersect(ray)?;
+    assert!(root.t >= 0.0 && root.t <= ray.t_max, "{}: t = {}", s.name, root.t);
+    Some((root, s.shape.surface(ray.at(root.t), root.part)))
 }

@@ -127,6 +127,13 @@ impl Leaf {
         // Both are distances across the surface in the leaf's space, where `t` is the same.
         (ray_error * shrink + local.error + s.error + rounding, local.direction.dot(s.normal).abs())
     }
+
+    /// Whether a ray starts on this part, within an error in the leaf's space.
+    fn starts_at(&self, ray: &LocalRay, part: u32, error: f64) -> bool {
+        let local = self.to_local(ray);
+        let nearest = self.shape.surface(local.origin, part).point;
+        LocalRay { error, ..local }.starts_at(nearest, 0.0)
+    }
 }
 
 impl<const KIND: usize> Csg<KIND> {
@@ -189,7 +196,8 @@ impl<const KIND: usize> Shape for Csg<KIND> {
             } else {
                 self.leaves.get(p.leaf as usize).and_then(|leaf| {
                     let (error, speed) = leaf.error_and_speed(ray, p.t, p.part, ray.error);
-                    LocalRay { error: 0.0, ..*ray }.accept(p.t, speed, error)
+                    let t = LocalRay { error: 0.0, ..*ray }.accept(p.t, speed, error);
+                    t.filter(|_| leaf.starts_at(ray, p.part, error))
                 })
             };
             root = t.map(|t| Root { t, part: part_of(&p) });
