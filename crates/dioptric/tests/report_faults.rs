@@ -80,7 +80,10 @@ box(min = (-4, {y}, -4), max = (4, {top_of_cube}, 4), material = clear((0, 1, 0)
                 .sum::<f64>();
         let floor = [0.6, 0.8, 1.0].map(|c| 0.2 * c);
         let right = [0.85 * floor[0], 0.15 * own_green + 0.85 * floor[1], 0.85 * floor[2]];
-        assert!(ours.iter().zip(right).all(|(a, b)| (a - b).abs() < 1e-6), "at {y}: {ours:?} {right:?}");
+        assert!(
+            ours.iter().zip(right).all(|(a, b)| (a - b).abs() < 1e-6),
+            "at {y}: {ours:?} {right:?}"
+        );
         // The published program took the floor for the exit; its next ray started there and met nothing:
         // a slab in the colour of the background.
         let slab = [0.0, 0.15 * own_green, 0.0];
@@ -135,10 +138,14 @@ sphere(center = (0, 4, 0), radius = 3)
     let darkest = seen.iter().copied().fold(f64::INFINITY, f64::min);
     let brightest = seen.iter().copied().fold(0.0, f64::max);
     assert!((darkest - ambient).abs() < 1e-9, "the overlap has ambient light alone, got {darkest}");
-    let single: Vec<f64> = seen.iter().copied().filter(|v| *v > ambient + 1e-6 && *v < brightest - 0.1).collect();
+    let single: Vec<f64> =
+        seen.iter().copied().filter(|v| *v > ambient + 1e-6 && *v < brightest - 0.1).collect();
     assert!(!single.is_empty(), "no single shadow among {seen:?}");
     assert!(single.iter().all(|v| *v > darkest + 0.05));
     // The published program's overlap: 3.5 times the ambient light of one light's 0.1, plus the base 0.2.
     let faulty_overlap = 0.2 + 3.5 * 0.1;
-    assert!(single.iter().any(|v| faulty_overlap > *v), "the faulty overlap outshines a single shadow");
+    assert!(
+        single.iter().any(|v| faulty_overlap > *v),
+        "the faulty overlap outshines a single shadow"
+    );
 }

@@ -14,7 +14,8 @@ use support::{root, scene_file};
 
 /// A picture of the repository, bilinear between texel centres, clamped or repeated at its edges.
 fn picture(name: &str) -> Picture {
-    let bytes = std::fs::read(root().join("scenes/pictures").join(name)).expect("the picture is in the repository");
+    let bytes = std::fs::read(root().join("scenes/pictures").join(name))
+        .expect("the picture is in the repository");
     let image = decode(&bytes, name, 1 << 24).expect("it is a picture");
     let (w, h) = (image.width() as i64, image.height() as i64);
     Box::new(move |u, v| {
@@ -38,17 +39,19 @@ fn every_pixel_agrees_with_a_second_program() {
     // At 80 x 80 two samples fall exactly on an edge of the cube, where either face is right.
     let size = 81;
     let threads = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("threads");
-    for (file, dark) in [("space.star", V(0.2, 0.2, 0.2)), ("space-orange.star", V(1.0, 0.5, 0.0))] {
+    for (file, dark) in [("space.star", V(0.2, 0.2, 0.2)), ("space-orange.star", V(1.0, 0.5, 0.0))]
+    {
         let scene = scene_file(file, &[], size);
-        let film =
-            render(&scene, Region::full([size; 2]), &threads, &Control::default()).expect("there is memory");
+        let film = render(&scene, Region::full([size; 2]), &threads, &Control::default())
+            .expect("there is memory");
         let plain = Space::new(picture("night-sky.png"), picture("football.png"), dark);
         let (mut worst, mut off) = (0.0_f64, Vec::new());
         for y in 0..size {
             for x in 0..size {
                 let ours = film.pixel(x, y).expect("in the film").linear().to_array();
                 let theirs = plain.pixel(x, y, size);
-                let difference = ours.iter().zip(theirs).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                let difference =
+                    ours.iter().zip(theirs).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
                 worst = worst.max(difference);
                 if difference > 1.0 / 255.0 {
                     off.push((x, y, ours, theirs));
@@ -57,6 +60,11 @@ fn every_pixel_agrees_with_a_second_program() {
         }
         println!("{file}: largest difference {worst:.3e} over {} pixels", size * size);
         // Rounding may put a sample on the other side of an edge; nothing else may differ.
-        assert!(off.is_empty(), "{file}: {} pixels differ, such as {:?}", off.len(), &off[..off.len().min(5)]);
+        assert!(
+            off.is_empty(),
+            "{file}: {} pixels differ, such as {:?}",
+            off.len(),
+            &off[..off.len().min(5)]
+        );
     }
 }

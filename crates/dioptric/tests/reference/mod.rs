@@ -100,7 +100,11 @@ fn meets(shape: &Shape, o: V, d: V) -> Vec<(f64, V)> {
     let at = |t: f64| o + d * t;
     let quadratic = |a: f64, b: f64, c: f64| -> Vec<f64> {
         let q = b * b - 4.0 * a * c;
-        if q < 0.0 || a == 0.0 { vec![] } else { vec![(-b - q.sqrt()) / (2.0 * a), (-b + q.sqrt()) / (2.0 * a)] }
+        if q < 0.0 || a == 0.0 {
+            vec![]
+        } else {
+            vec![(-b - q.sqrt()) / (2.0 * a), (-b + q.sqrt()) / (2.0 * a)]
+        }
     };
     match *shape {
         Shape::Sphere(c, r) => {
@@ -111,7 +115,9 @@ fn meets(shape: &Shape, o: V, d: V) -> Vec<(f64, V)> {
         }
         Shape::Cylinder(c, r, h) => {
             let (x, z) = (o.0 - c.0, o.2 - c.2);
-            for t in quadratic(d.0 * d.0 + d.2 * d.2, 2.0 * (d.0 * x + d.2 * z), x * x + z * z - r * r) {
+            for t in
+                quadratic(d.0 * d.0 + d.2 * d.2, 2.0 * (d.0 * x + d.2 * z), x * x + z * z - r * r)
+            {
                 let p = at(t);
                 if p.1 >= c.1 && p.1 <= c.1 + h {
                     out.push((t, V((p.0 - c.0) / r, 0.0, (p.2 - c.2) / r)));
@@ -135,7 +141,10 @@ fn meets(shape: &Shape, o: V, d: V) -> Vec<(f64, V)> {
                     let alpha = (r / h).atan();
                     let (px, pz) = (p.0 - c.0, p.2 - c.2);
                     let radius = (px * px + pz * pz).sqrt();
-                    out.push((t, unit(V(px * alpha.cos(), radius * alpha.sin(), pz * alpha.cos()))));
+                    out.push((
+                        t,
+                        unit(V(px * alpha.cos(), radius * alpha.sin(), pz * alpha.cos())),
+                    ));
                 }
             }
             let t = (c.1 - o.1) / d.1;
@@ -198,18 +207,30 @@ impl Space {
     pub fn new(sky: Picture, football: Picture, dark: V) -> Self {
         let object = |shape, paint, optics| Object { shape, paint, optics };
         let objects = vec![
-            object(Shape::Sphere(V(-8.0, -3.0, -130.0), 13.0), Paint::Plain(V(0.0, 0.0, 1.0)), Optics::Mirror(0.7)),
+            object(
+                Shape::Sphere(V(-8.0, -3.0, -130.0), 13.0),
+                Paint::Plain(V(0.0, 0.0, 1.0)),
+                Optics::Mirror(0.7),
+            ),
             object(Shape::Sphere(V(5.0, 7.0, -115.0), 3.0), Paint::Football, Optics::None),
             object(
                 Shape::Sphere(V(2.0, -12.0, -80.0), 3.0),
                 Paint::Plain(V(1.0, 0.0, 0.0)),
                 Optics::Clear(0.3, 1.05),
             ),
-            object(Shape::Cylinder(V(-15.0, -18.0, -90.0), 1.3, 10.0), Paint::Lattice, Optics::None),
+            object(
+                Shape::Cylinder(V(-15.0, -18.0, -90.0), 1.3, 10.0),
+                Paint::Lattice,
+                Optics::None,
+            ),
             object(Shape::Cone(V(-15.0, -15.0, -90.0), 3.5, 5.0), Paint::Lattice, Optics::None),
             object(Shape::Cone(V(-15.0, -12.0, -90.0), 3.5, 5.0), Paint::Lattice, Optics::None),
             object(Shape::Cone(V(-15.0, -9.0, -90.0), 3.0, 5.5), Paint::Lattice, Optics::None),
-            object(Shape::Floor(-20.0, [-60.0, 60.0], [-200.0, -40.0]), Paint::Checks, Optics::None),
+            object(
+                Shape::Floor(-20.0, [-60.0, 60.0], [-200.0, -40.0]),
+                Paint::Checks,
+                Optics::None,
+            ),
             object(Shape::Wall(-200.0, [-70.0, 70.0], [-20.0, 50.0]), Paint::Sky, Optics::None),
             object(
                 Shape::Cube(V(10.0, -20.0, -98.0), V(18.0, -12.0, -90.0)),
@@ -293,7 +314,9 @@ impl Space {
         }
         match self.objects[hit.object].optics {
             Optics::None => own,
-            Optics::Mirror(share) => own + self.trace(p, reflect(d, hit.n), Some(hit.object), bounce + 1) * share,
+            Optics::Mirror(share) => {
+                own + self.trace(p, reflect(d, hit.n), Some(hit.object), bounce + 1) * share
+            }
             Optics::Clear(share, ior) => {
                 let Some(mut inside) = refract(d, hit.n, 1.0 / ior) else { return own };
                 let mut at = p;
