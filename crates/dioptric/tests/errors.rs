@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Every wrong scene of `tests/errors` gives exactly the text beside it, and never a panic.
+//! Every wrong scene of `tests/errors` makes the program say exactly the text beside it and end with
+//! status 1 (0 where it only warns), never with a panic.
 //!
 //! A scene's first line may hold options of the program, `# options: --max-steps 1000`. With
 //! `UPDATE_EXPECTED=1` in the environment the texts are written anew; read them before you commit.
 
 use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::Mutex;
 
-use dioptric_formats::{ReadOptions, read, report};
-use dioptric_scene::{Diagnostic, FolderLoader, Severity, Sources};
+/// Scenes that are only warned of.
+const WARNED: [&str; 4] = ["no-light", "same-name", "unused-material", "unused-pattern"];
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/errors")
@@ -26,64 +29,58 @@ fn cases() -> Vec<String> {
     names
 }
 
-/// The options that a scene's first line asks for.
-fn options(path: &Path) -> ReadOptions {
-    let mut options = ReadOptions::default();
-    let text = String::from_utf8_lossy(&std::fs::read(path).unwrap()).into_owned();
+/// What the program says about a scene, and its exit status.
+fn diagnose(name: &str, picture: &Path) -> (String, Option<i32>) {
+    let bytes = std::fs::read(folder().join(name)).unwrap();
+    let text = String::from_utf8_lossy(&bytes);
     let first = text.lines().next().unwrap_or_default();
-    let mut words = first.strip_prefix("# options:").unwrap_or_default().split_whitespace();
-    while let (Some(flag), Some(value)) = (words.next(), words.next()) {
-        match flag {
-            "--set" => {
-                let (name, value) = value.split_once('=').unwrap();
-                options.set.push((name.into(), value.into()));
-            }
-            "--camera" => options.camera = Some(value.into()),
-            "--max-steps" => options.limits.steps = value.parse().unwrap(),
-            "--max-objects" => options.limits.objects = value.parse().unwrap(),
-            "--max-memory" => options.limits.memory = value.parse::<usize>().unwrap() << 20,
-            other => panic!("unknown option {other}"),
-        }
+    let options = first.strip_prefix("# options:").unwrap_or_default();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_dioptric"));
+    command.current_dir(folder()).args(["render", "--quiet", name, "-o"]).arg(picture);
+    if !text.contains("render(") {
+        command.args(["--size", "8x8"]);
     }
-    options
-}
-
-/// What the program says about a scene before it renders.
-fn diagnose(name: &str) -> (Vec<Diagnostic>, Sources) {
-    let loader = FolderLoader::new(folder());
-    let vocabulary = dioptric_render::vocabulary();
-    match read(name, &loader, &vocabulary, &options(&folder().join(name))) {
-        Ok(reading) => (reading.warnings, reading.description.sources),
-        Err(error) => (error.diagnostics, error.sources),
-    }
+    let output = command.args(options.split_whitespace()).output().unwrap();
+    (String::from_utf8(output.stderr).unwrap(), output.status.code())
 }
 
 #[test]
-fn every_wrong_scene_gives_its_message() {
+fn every_wrong_scene_gives_its_message_and_status() {
     let update = std::env::var_os("UPDATE_EXPECTED").is_some();
-    let mut wrong = Vec::new();
-    for name in cases() {
-        let (diagnostics, sources) = diagnose(&name);
-        let warns = ["no-light", "same-name", "unused-material", "unused-pattern"];
-        let only_warns = warns.iter().any(|w| name == format!("{w}.star"));
-        let errors = diagnostics.iter().any(|d| d.severity == Severity::Error);
-        if errors == only_warns {
-            wrong.push(format!("--- {name}: {diagnostics:?}"));
+    let cases = Mutex::new(cases());
+    let wrong = Mutex::new(Vec::new());
+    let check = || {
+        loop {
+            let Some(name) = cases.lock().unwrap().pop() else { return };
+            let picture = std::env::temp_dir()
+                .join(format!("dioptric-errors-{}-{name}.png", std::process::id()));
+            let (text, status) = diagnose(&name, &picture);
+            let made = std::fs::remove_file(&picture).is_ok();
+            let warned = WARNED.iter().any(|warned| name == format!("{warned}.star"));
+            let mut faults = wrong.lock().unwrap();
+            if status != Some(i32::from(!warned)) || made != warned {
+                faults.push(format!("--- {name}: status {status:?}, picture {made}\n{text}"));
+            }
+            let expected = folder().join(&name).with_extension("txt");
+            if update {
+                std::fs::write(&expected, &text).unwrap();
+            }
+            let expected = std::fs::read_to_string(&expected).unwrap_or_default();
+            if expected != text {
+                faults.push(format!("--- {name}, expected:\n{expected}--- got:\n{text}"));
+            }
         }
-        let text = report::render(&diagnostics, &sources, false);
-        let expected = folder().join(&name).with_extension("txt");
-        if update {
-            std::fs::write(&expected, &text).unwrap();
+    };
+    std::thread::scope(|scope| {
+        for _ in 0..4 {
+            scope.spawn(check);
         }
-        let expected = std::fs::read_to_string(&expected).unwrap_or_default();
-        if expected != text {
-            wrong.push(format!("--- {name}, expected:\n{expected}--- got:\n{text}"));
-        }
-    }
+    });
+    let wrong = wrong.into_inner().unwrap();
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
 #[test]
 fn the_corpus_is_as_large_as_promised() {
-    assert!(cases().len() >= 60);
+    assert!(cases().len() >= 100, "{}", cases().len());
 }

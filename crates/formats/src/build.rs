@@ -54,7 +54,9 @@ impl Build {
         if usize::from(depth) > MAX_NESTING {
             let message =
                 format!("{kind} holds things within things, more than {MAX_NESTING} deep");
-            let error = Diagnostic::error("too-nested", message).at(span, "");
+            let error = Diagnostic::error("too-nested", message)
+                .at(span, "")
+                .help("put the parts side by side in fewer groups");
             let error = self.called_from(error, stack);
             self.record(error);
         }

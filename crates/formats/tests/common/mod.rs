@@ -104,6 +104,10 @@ pub fn vocabulary() -> Vocabulary {
         &LIGHT,
         &CAMERA,
         &BACKGROUND,
+        &RENDER,
+        &SCENE,
+        &DEVELOP,
+        &PHONG,
     ])
 }
 
