@@ -2,9 +2,7 @@
 //! Readers given damaged files answer with a scene or with errors at places inside the text: they
 //! never panic and never run away. A few thousand random edits with a fixed seed; `fuzz` goes on.
 
-mod common;
-
-use common::vocabulary;
+use crate::common::vocabulary;
 use dioptric_formats::{Limits, ReadOptions, read, report};
 use dioptric_math::random::Random;
 use dioptric_scene::{MemoryLoader, Sources};

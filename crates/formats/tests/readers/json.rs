@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The expanded form: round trips, and what is wrong with wrong ones.
 
-mod common;
-
-use common::{STAGE, errors_of, read_star, vocabulary};
+use crate::common::{STAGE, errors_of, read_star, vocabulary};
 use dioptric_formats::{ReadError, ReadOptions, Reading, json, read};
 use dioptric_scene::{Description, MemoryLoader, NodeId, Value};
 

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The scene language: what enters the scene, what values mean, what is computed.
 
-mod common;
-
-use common::{STAGE, errors_of, read_star, read_with};
+use crate::common::{STAGE, errors_of, read_star, read_with};
 use dioptric_formats::{Limits, ReadOptions, Reading};
 use dioptric_scene::{NodeId, StackId, Value};
 
