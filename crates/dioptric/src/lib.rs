@@ -14,6 +14,9 @@
 
 #![forbid(unsafe_code)]
 
+mod builder;
+
+pub use builder::{BuildError, SceneBuilder};
 pub use dioptric_formats as formats;
 pub use dioptric_geometry as geometry;
 pub use dioptric_image as image;

@@ -13,7 +13,8 @@ static TRANSLATE: Schema = Schema {
     summary: "moves",
     doc: "Adds `by` to every point.",
     params: &[Param::required("by", Type::Vec3, "How far along x, y and z.")],
-    example: "sphere(transform = translate((2, 1, 0)), material = matte(\"tomato\"))",
+    example: "box(min = (-0.5, 0, -0.5), max = (0.5, 1, 0.5))\n\
+              box(min = (-0.5, 0, -0.5), max = (0.5, 1, 0.5), material = matte(\"gold\"), transform = translate((1.2, 0.5, -0.6)))",
 };
 
 static ROTATE: Schema = Schema {
@@ -37,7 +38,8 @@ static ROTATE: Schema = Schema {
         Param::new("angle", Type::NUMBER, Default::Absent, "Degrees about `axis`."),
         CENTER,
     ],
-    example: "box(min = (-1, -1, -1), max = (1, 1, 1), transform = rotate(x = 30, y = 45), material = matte(\"gold\"))",
+    example: "box(min = (-1.6, 0, -0.5), max = (-0.6, 1, 0.5))\n\
+              box(min = (-0.5, 0, -0.5), max = (0.5, 1, 0.5), material = matte(\"gold\"), transform = [rotate(y = 30), rotate(z = 20), translate((0.9, 0.2, 0))])",
 };
 
 static SCALE: Schema = Schema {
@@ -49,7 +51,8 @@ static SCALE: Schema = Schema {
         Param::required("by", Type::Scale, "The factor, or one for x, y and z; none may be 0."),
         CENTER,
     ],
-    example: "sphere(transform = scale((2, 0.5, 1)), material = matte(\"teal\"))",
+    example: "box(min = (-1.6, 0, -0.5), max = (-0.6, 1, 0.5))\n\
+              box(min = (-0.5, 0, -0.5), max = (0.5, 1, 0.5), material = matte(\"gold\"), transform = [scale((0.5, 1.8, 0.5)), translate((0.5, 0, 0))])",
 };
 
 static SHEAR: Schema = Schema {
@@ -66,7 +69,8 @@ static SHEAR: Schema = Schema {
         Param::new("zx", Type::NUMBER, Default::Number(0.0), "How much z grows with x."),
         Param::new("zy", Type::NUMBER, Default::Number(0.0), "How much z grows with y."),
     ],
-    example: "box(min = (-1, 0, -1), max = (1, 2, 1), transform = shear(xy = 0.5), material = matte(\"gold\"))",
+    example: "box(min = (-1.6, 0, -0.5), max = (-0.6, 1, 0.5))\n\
+              box(min = (-0.5, 0, -0.5), max = (0.5, 1, 0.5), material = matte(\"gold\"), transform = [shear(xy = 0.6), translate((0.4, 0, 0))])",
 };
 
 static REFLECT: Schema = Schema {
@@ -78,7 +82,9 @@ static REFLECT: Schema = Schema {
         Param::required("normal", Type::Direction, "At right angles to the plane; of any length."),
         Param::new("point", Type::Vec3, Default::Vec3([0.0; 3]), "A point of the plane."),
     ],
-    example: "cone(transform = reflect(normal = (0, 1, 0)), material = matte(\"gold\"))",
+    example: "cone(base = (0.9, 0, 0), radius = 0.7, height = 1.6)\n\
+              cone(base = (0.9, 0, 0), radius = 0.7, height = 1.6, material = matte(\"gold\"),\n\
+                   transform = [reflect(normal = (1, 0, 0)), reflect(normal = (0, 1, 0), point = (0, 0.8, 0))])",
 };
 
 static ORIENT: Schema = Schema {
@@ -96,7 +102,9 @@ static ORIENT: Schema = Schema {
             "The direction before: the y axis, along which shapes stand.",
         ),
     ],
-    example: "cylinder(transform = orient(to = (1, 1, 0)), material = matte(\"gold\"))",
+    example: "cylinder(base = (-0.9, 0, 0), radius = 0.3, height = 1.6)\n\
+              cylinder(radius = 0.3, height = 1.6, material = matte(\"gold\"),\n\
+                       transform = [orient(to = (1, 1, 0)), translate((0.2, 0.2, 0))])",
 };
 
 static MATRIX: Schema = Schema {
@@ -106,7 +114,8 @@ static MATRIX: Schema = Schema {
     doc: "The matrix row by row, as it stands in books: points are columns to its right. Nine numbers are 3 x 3, twelve\n\
           are 3 x 4 with the translation in the last column, sixteen have a last row of 0, 0, 0, 1.",
     params: &[Param::required("values", Type::Matrix, "The numbers, in one list or in rows.")],
-    example: "sphere(transform = matrix([(1, 0.5, 0), (0, 1, 0), (0, 0, 1)]), material = matte(\"teal\"))",
+    example: "box(min = (-1.6, 0, -0.5), max = (-0.6, 1, 0.5))\n\
+              box(min = (-0.5, 0, -0.5), max = (0.5, 1, 0.5), material = matte(\"gold\"), transform = [matrix([(1, 0.4, 0), (0, 1.2, 0), (0, 0, 1)]), translate((0.4, 0, 0))])",
 };
 
 const CENTER: Param =

@@ -24,6 +24,48 @@ pub enum Value {
     Node(NodeId),
 }
 
+impl From<bool> for Value {
+    fn from(b: bool) -> Self {
+        Self::Bool(b)
+    }
+}
+
+impl From<f64> for Value {
+    fn from(x: f64) -> Self {
+        Self::Number(x)
+    }
+}
+
+impl From<&str> for Value {
+    fn from(text: &str) -> Self {
+        Self::Text(text.into())
+    }
+}
+
+impl From<[f64; 2]> for Value {
+    fn from(v: [f64; 2]) -> Self {
+        Self::Vec2(v)
+    }
+}
+
+impl From<[f64; 3]> for Value {
+    fn from(v: [f64; 3]) -> Self {
+        Self::Vec3(v)
+    }
+}
+
+impl From<NodeId> for Value {
+    fn from(id: NodeId) -> Self {
+        Self::Node(id)
+    }
+}
+
+impl From<Vec<Value>> for Value {
+    fn from(items: Vec<Value>) -> Self {
+        Self::from_items(items)
+    }
+}
+
 impl Value {
     /// The word for messages: `a number`.
     #[must_use]

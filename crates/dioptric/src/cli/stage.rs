@@ -13,6 +13,8 @@ const LIGHTS: &str = "light(position = (-4, 7, 6), intensity = 0.7)\n\
                       light(position = (6, 5, 3), intensity = 0.25)";
 const AMBIENT: &str = "ambient(0.12)";
 const BACKGROUND: &str = "background(gradient(low = (0.8, 0.86, 0.92), high = (0.4, 0.55, 0.78)))";
+// The floor fades into the sky instead of shimmering at the horizon.
+const FOG: &str = "fog(color = (0.8, 0.86, 0.92), distance = 28)";
 const FLOOR: &str = "plane(point = (0, 0, 0), material = matte(checker((0.82, 0.82, 0.8), (0.62, 0.63, 0.65), size = (1, 0, 1))), name = \"stage floor\")";
 const ACTORS: &str = "sphere(center = (-1.1, 0.7, 0), radius = 0.7, material = plastic(\"crimson\"))\n\
                       box(min = (0.3, 0, -0.5), max = (1.3, 1, 0.5), material = matte(\"seagreen\"))";
@@ -54,6 +56,7 @@ pub fn staged(schema: &Schema, files: &FolderLoader) -> Result<Description, Read
     add(SIZE, !has_kind("render"));
     add(AMBIENT, !has_kind("ambient"));
     add(BACKGROUND, !has_kind("background") && !has_kind("fog"));
+    add(FOG, !has_kind("background") && !has_kind("fog"));
     add(FLOOR, !has_kind("plane"));
     add(ACTORS, !has(Category::Shape));
     read_text(lines.join("\n"))
