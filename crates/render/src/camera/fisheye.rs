@@ -42,7 +42,7 @@ static SCHEMA: Schema = Schema {
             "Field of view across the circle, in degrees.",
         ),
     ],
-    example: "",
+    example: "fisheye(eye = (0, 1.2, 1.6), look_at = (0, 0.7, 0), fov = 200)",
 };
 
 impl Camera for Fisheye {

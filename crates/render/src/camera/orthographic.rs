@@ -39,7 +39,7 @@ static SCHEMA: Schema = Schema {
             "Height of what the picture shows, in units of the scene.",
         ),
     ],
-    example: "",
+    example: "orthographic(eye = (4, 4, 4), look_at = (0, 0.5, 0), height = 3.5)",
 };
 
 impl Camera for Orthographic {

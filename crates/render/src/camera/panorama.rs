@@ -47,7 +47,7 @@ static SCHEMA: Schema = Schema {
             "Angle from the lower to the upper edge, in degrees.",
         ),
     ],
-    example: "",
+    example: "panorama(eye = (0, 1, 1.4), look_at = (0, 1, 0), vertical_fov = 150)",
 };
 
 impl Camera for Panorama {

@@ -64,7 +64,7 @@ static SCHEMA: Schema = Schema {
             "Distance of the plane in focus, along the line of sight; that of `look_at` if absent.",
         ),
     ],
-    example: "",
+    example: "camera(eye = (-2.6, 1.4, 3), look_at = (-1.1, 0.7, 0.6), fov = 40, aperture = 0.3)",
 };
 
 impl Camera for Perspective {

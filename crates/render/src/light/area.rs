@@ -35,7 +35,7 @@ static SCHEMA: Schema = Schema {
         EMITS,
         SAMPLES,
     ],
-    example: "",
+    example: "area_light(corner = (-3, 4, 0), edge_u = (2, 0, 0), edge_v = (0, 0, 2), intensity = 0.9)",
 };
 
 impl Light for Area {

@@ -41,7 +41,7 @@ static SCHEMA: Schema = Schema {
         ),
         SAMPLES,
     ],
-    example: "",
+    example: "directional(direction = (1, -2, -1.5), intensity = 0.9, angle = 3)",
 };
 
 impl Light for Directional {

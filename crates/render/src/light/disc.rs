@@ -35,7 +35,7 @@ static SCHEMA: Schema = Schema {
         EMITS,
         SAMPLES,
     ],
-    example: "",
+    example: "disc_light(center = (-2, 4, 2), normal = (0.5, -1, -0.5), radius = 0.8, intensity = 0.9)",
 };
 
 impl Light for Disc {

@@ -36,7 +36,7 @@ static SCHEMA: Schema = Schema {
         RADIUS,
         SAMPLES,
     ],
-    example: "",
+    example: "light(position = (-3, 5, 4), intensity = 0.9, radius = 0.6)",
 };
 
 impl Light for Point {

@@ -59,7 +59,7 @@ static SCHEMA: Schema = Schema {
         RADIUS,
         SAMPLES,
     ],
-    example: "",
+    example: "spot(position = (-2, 4, 4), look_at = (0, 0.5, 0), angle = 28, soft = 0.4)",
 };
 
 impl Spot {

@@ -4,6 +4,7 @@
 use dioptric_math::Spectrum;
 use dioptric_scene::{Args, Category, Default, Diagnostic, Param, Schema, Type};
 
+use super::metal_data::{NAMES, named};
 use super::shared::{BUMP, BUMP_HEIGHT, Glint, ROUGHNESS, SHARP_EXPONENT, bump, unit, unit_color};
 use super::{Bump, Finish, Material, Optics};
 use crate::build::Builder;
@@ -20,61 +21,18 @@ pub struct Metal {
     bump: Option<Bump>,
 }
 
-/// Measured index of refraction n and extinction coefficient k of a metal, at 650, 550 and 450 nm.
-struct Constants {
-    n: [f64; 3],
-    k: [f64; 3],
-}
-
-/// The words of the `metal` parameter, in the order of [`CONSTANTS`].
-const NAMES: &[&str] =
-    &["aluminium", "brass", "chromium", "copper", "gold", "iron", "nickel", "silver", "titanium"];
-
-/// Interpolated linearly in the published tables. Copper, gold and silver: Johnson and Christy,
-/// "Optical Constants of the Noble Metals", Phys. Rev. B 6, 4370 (1972). Chromium, iron, nickel and
-/// titanium: Johnson and Christy, "Optical constants of transition metals", Phys. Rev. B 9, 5056
-/// (1974). Aluminium: Rakic, "Algorithm for the determination of intrinsic optical constants of metal
-/// films", Appl. Opt. 34, 4755 (1995). Brass (70 % copper, 30 % zinc): Querry, "Optical constants",
-/// report CRDC-CR-85034 (1985).
-const CONSTANTS: [Constants; NAMES.len()] = [
-    Constants { n: [1.558, 1.015, 0.633], k: [7.712, 6.627, 5.454] },
-    Constants { n: [0.444, 0.527, 1.094], k: [3.695, 2.765, 1.829] },
-    Constants { n: [3.107, 3.181, 2.323], k: [3.331, 3.329, 3.135] },
-    Constants { n: [0.238, 1.007, 1.240], k: [3.626, 2.582, 2.393] },
-    Constants { n: [0.156, 0.424, 1.383], k: [3.602, 2.472, 1.915] },
-    Constants { n: [2.911, 2.950, 2.584], k: [3.089, 2.932, 2.767] },
-    Constants { n: [1.990, 1.921, 1.729], k: [4.209, 3.616, 2.944] },
-    Constants { n: [0.052, 0.060, 0.040], k: [4.409, 3.597, 2.648] },
-    Constants { n: [2.741, 2.542, 2.267], k: [3.814, 3.435, 3.038] },
-];
-
-impl Constants {
-    /// Reflectance in air at a right angle: `((n - 1)^2 + k^2) / ((n + 1)^2 + k^2)` (Born and Wolf,
-    /// "Principles of Optics", 7th ed., section 14.2).
-    fn reflectance(&self) -> Spectrum {
-        let lane =
-            |n: f64, k: f64| ((n - 1.0) * (n - 1.0) + k * k) / ((n + 1.0) * (n + 1.0) + k * k);
-        let ([n0, n1, n2], [k0, k1, k2]) = (self.n, self.k);
-        Spectrum::new(lane(n0, k0), lane(n1, k1), lane(n2, k2))
-    }
-}
-
-/// The reflectance of a named metal.
-fn named(name: &str) -> Option<Spectrum> {
-    NAMES.iter().zip(&CONSTANTS).find(|(n, _)| **n == name).map(|(_, c)| c.reflectance())
-}
-
 static SCHEMA: Schema = Schema {
     kind: "metal",
     category: Category::Material,
     summary: "gold, silver, copper, ...: a coloured mirror that turns white towards the rim",
     doc: "Shows what the mirrored ray sees, times a weight that goes from the metal's reflectance at a right angle\n\
           to 1 at grazing angles (Schlick, \"An Inexpensive BRDF Model for Physically-based Rendering\", 1994,\n\
-          equation 15). The reflectance of a named metal is that of measured optical constants at 650, 550 and\n\
-          450 nm: Johnson and Christy 1972 (copper, gold, silver) and 1974 (chromium, iron, nickel, titanium),\n\
-          Rakic 1995 (aluminium), Querry 1985 (brass). `color` gives another one. A light's mirror image is its\n\
-          highlight, as wide as `roughness` says. Metal has no colour of its own: it needs things around it to\n\
-          mirror.",
+          equation 15). The colour of a named metal is worked out from measured optical constants: reflectance\n\
+          ((n - 1)^2 + k^2) / ((n + 1)^2 + k^2) by wavelength, seen in daylight (D65) by the standard observer.\n\
+          The measurements: Johnson and Christy 1972 (copper, gold, silver) and 1974 (chromium, iron, nickel,\n\
+          titanium), Rakic 1995 (aluminium), Querry 1985 (brass). `color` gives another one. A light's mirror\n\
+          image is its highlight, as wide as `roughness` says. Metal has no colour of its own: it needs things\n\
+          around it to mirror.",
     params: &[
         Param::new(
             "metal",
@@ -154,21 +112,6 @@ mod tests {
     use super::*;
     use crate::material::testing::{build, point};
     use dioptric_scene::Value;
-
-    #[test]
-    fn reflectances_are_physical_and_those_of_the_formula() {
-        assert!(NAMES.is_sorted());
-        for name in NAMES {
-            let f0 = named(name).unwrap();
-            assert!(f0.min_element() > 0.3 && f0.max_element() < 1.0, "{name} {f0}");
-        }
-        // ((0.156 - 1)^2 + 3.602^2) / ((0.156 + 1)^2 + 3.602^2) = 13.68674 / 14.31074
-        let gold = named("gold").unwrap();
-        assert!((gold.x - 13.686_740 / 14.310_740).abs() < 1e-12);
-        assert!(gold.x > gold.y && gold.y > gold.z);
-        let silver = named("silver").unwrap();
-        assert!(silver.min_element() > 0.97);
-    }
 
     #[test]
     fn a_metal_is_named_or_has_a_colour() {

@@ -17,6 +17,7 @@ pub mod glass;
 pub mod glow;
 pub mod matte;
 pub mod metal;
+mod metal_data;
 pub mod mirror;
 pub mod patched;
 pub mod phong;

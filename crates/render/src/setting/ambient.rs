@@ -24,7 +24,7 @@ pub static SCHEMA: Schema = Schema {
         ),
         Param::new("color", Type::Color, Default::Number(1.0), "Its colour."),
     ],
-    example: "",
+    example: "ambient(0.35, \"lightskyblue\")",
 };
 
 /// The ambient light that a node describes.

@@ -25,7 +25,8 @@ pub static SCHEMA: Schema = Schema {
         Param::new("color", Type::ColorPattern, Default::Number(0.0), "Its colour."),
         Param::new("intensity", Type::NON_NEGATIVE, Default::Number(1.0), "Multiplies the colour."),
     ],
-    example: "",
+    example: "background(gradient(\"orange\", \"midnightblue\", end = (0, 0.5, 0)))\n\
+              sphere(center = (0, 1, 0), radius = 1, material = mirror())",
 };
 
 /// What is seen where nothing is hit.

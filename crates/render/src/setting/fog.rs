@@ -42,7 +42,10 @@ pub static SCHEMA: Schema = Schema {
             "For \"linear\": where nothing else is seen.",
         ),
     ],
-    example: "",
+    example: "fog(\"lightgrey\", distance = 8, start = 4)\n\
+              sphere(center = (0.8, 0.6, 1), radius = 0.6, material = matte(\"firebrick\"))\n\
+              sphere(center = (-0.9, 0.6, -3), radius = 0.6, material = matte(\"firebrick\"))\n\
+              sphere(center = (-3.2, 0.6, -8), radius = 0.6, material = matte(\"firebrick\"))",
 };
 
 /// How fog thickens with distance.

@@ -31,7 +31,8 @@ pub static SCHEMA: Schema = Schema {
             "How strongly light fades, per unit of length; one number, or three for red, green and blue.",
         ),
     ],
-    example: "",
+    example: "medium(ior = 1.33, absorption = (0.16, 0.04, 0.01))\n\
+              sphere(center = (0, 1, 0), radius = 1, material = glass(ior = 1))",
 };
 
 /// What fills the space between things.
