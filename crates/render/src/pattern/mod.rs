@@ -10,6 +10,7 @@ pub mod add;
 pub mod bricks;
 pub mod checker;
 pub mod crackle;
+pub mod distorted;
 pub mod dots;
 pub mod gradient;
 pub mod hexagons;
@@ -136,6 +137,7 @@ registry! {
     Bricks(bricks::Bricks),
     Checker(checker::Checker),
     Crackle(crackle::Crackle),
+    Distorted(distorted::Distorted),
     Dots(dots::Dots),
     Gradient(gradient::Gradient),
     Hexagons(hexagons::Hexagons),
