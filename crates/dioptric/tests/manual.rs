@@ -31,7 +31,9 @@ fn blocks(chapter: &str, language: &str) -> Vec<String> {
 fn the_examples_of_the_language_are_read() {
     let mut loader = MemoryLoader::new();
     let mut scenes = Vec::new();
-    for (i, block) in blocks("language.md", "python").into_iter().enumerate() {
+    let chapters = ["language.md", "patterns.md"];
+    let all = chapters.into_iter().flat_map(|chapter| blocks(chapter, "python"));
+    for (i, block) in all.enumerate() {
         let first = block.lines().next().unwrap_or_default().to_string();
         if let Some(name) = first.strip_prefix("# file: ") {
             loader = loader.with(name, block);
@@ -45,7 +47,7 @@ fn the_examples_of_the_language_are_read() {
         loader = loader.with(&name, format!("{}\n{stage}{}\n", loads.join("\n"), rest.join("\n")));
         scenes.push(name);
     }
-    assert!(scenes.len() >= 6);
+    assert!(scenes.len() >= 12);
     for name in scenes {
         match read(&name, &loader, &dioptric_render::vocabulary(), &ReadOptions::default()) {
             Ok(reading) => assert!(reading.warnings.is_empty(), "{name}: {:?}", reading.warnings),
