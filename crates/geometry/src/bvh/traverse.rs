@@ -86,8 +86,9 @@ impl BoxRay {
             scale,
         };
         for axis in 0..3 {
-            let d = direction[axis] / scale;
-            let d = if d.abs() > SMALLEST { d } else { SMALLEST.copysign(d) };
+            let d = direction[axis];
+            let smallest = (SMALLEST * scale).max(f64::MIN_POSITIVE);
+            let d = if d.abs() > smallest { d } else { smallest.copysign(d) };
             let step = 1.0_f64.copysign(d);
             // Without a usable origin all boxes are entered.
             let (near, far) = if in_range {
@@ -97,7 +98,7 @@ impl BoxRay {
             };
             this.near[axis] = Vec4::splat(near as f32);
             this.far[axis] = Vec4::splat(far as f32);
-            this.inverse[axis] = Vec4::splat((1.0 / d) as f32);
+            this.inverse[axis] = Vec4::splat((scale / d) as f32);
             this.negative[axis] = usize::from(d < 0.0);
         }
         this
@@ -149,7 +150,9 @@ impl Bvh {
         leaf: impl FnMut(Range<usize>, f64, &mut C) -> Option<f64>,
     ) -> Option<f64> {
         // A level leaves at most three tasks behind. A small stack is faster to set up.
-        if self.depth <= 21 {
+        if self.depth <= 4 {
+            self.walk::<16, C>(ray, t_max, counter, leaf)
+        } else if self.depth <= 21 {
             self.walk::<64, C>(ray, t_max, counter, leaf)
         } else {
             self.walk::<{ 3 * MAX_DEPTH + 1 }, C>(ray, t_max, counter, leaf)
