@@ -8,8 +8,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use dioptric::SceneBuilder;
 use dioptric::image::{EncodeOptions, FileFormat, encode};
-use dioptric::render::job::{Control, Progress, Region};
+use dioptric::render::job::{Control, Progress};
 use dioptric::render::picture;
+use dioptric::render::region::Region;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut scene = SceneBuilder::new();

@@ -4,8 +4,9 @@
 //!     cargo run --example render_to_memory
 
 use dioptric::SceneBuilder;
-use dioptric::render::job::{Control, Region};
+use dioptric::render::job::Control;
 use dioptric::render::picture;
+use dioptric::render::region::Region;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Kinds and arguments are the words of the scene language; a mistake is an error with a remedy.
@@ -28,8 +29,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     // The threads are the caller's; the picture is the same for any number of them.
     let pool = rayon::ThreadPoolBuilder::new().build()?;
-    let film = picture::render(&scene, Region::full(scene.settings.size), &pool, &Control::default())
-        .map_err(|e| e.message)?;
+    let film =
+        picture::render(&scene, Region::full(scene.settings.size), &pool, &Control::default())
+            .map_err(|e| e.message)?;
 
     let middle = film.pixel(80, 60).ok_or("the picture has a middle")?;
     println!("{} rays; light in the middle: {:?}", film.rays.total(), middle.linear().to_array());

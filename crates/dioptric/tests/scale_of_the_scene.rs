@@ -8,8 +8,9 @@ mod support;
 
 use std::time::Instant;
 
-use dioptric::render::job::{Control, Region};
+use dioptric::render::job::Control;
 use dioptric::render::picture::render;
+use dioptric::render::region::Region;
 use support::{scene, scene_file};
 
 const SIZE: u32 = 160;

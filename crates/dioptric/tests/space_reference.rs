@@ -7,8 +7,9 @@ mod reference;
 mod support;
 
 use dioptric::image::decode;
-use dioptric::render::job::{Control, Region};
+use dioptric::render::job::Control;
 use dioptric::render::picture::render;
+use dioptric::render::region::Region;
 use reference::{Picture, Space, V};
 use support::{root, scene_file};
 

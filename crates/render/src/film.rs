@@ -11,7 +11,7 @@ use dioptric_image::{Encoding, Image, LayerData, Layers};
 use dioptric_math::{DVec3, Spectrum};
 use dioptric_scene::Diagnostic;
 
-use crate::job::Region;
+use crate::region::Region;
 use crate::stats::RayCounts;
 
 /// What one camera sample brings home.

@@ -9,7 +9,8 @@ use crate::integrator::{
     self,
     recorder::{Recorder, Silent},
 };
-use crate::job::{self, Control, Region};
+use crate::job::{self, Control};
+use crate::region::Region;
 use crate::sampling::{PixelSample, Stream};
 use crate::scene::Scene;
 use crate::stats::RayCounts;

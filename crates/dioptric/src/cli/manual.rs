@@ -7,7 +7,8 @@ use std::path::PathBuf;
 
 use clap::CommandFactory;
 use dioptric::image::{EncodeOptions, FileFormat, Layers, encode};
-use dioptric::render::job::{Control, Region};
+use dioptric::render::job::Control;
+use dioptric::render::region::Region;
 use dioptric::render::{compile, picture, vocabulary};
 use dioptric::scene::{Category, FolderLoader, Schema, Sources, Vocabulary};
 

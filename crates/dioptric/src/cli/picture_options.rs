@@ -2,7 +2,7 @@
 //! What a picture shall be like, above what the scene says: the options that `render` and `why` share.
 
 use dioptric::render::compile::Options;
-use dioptric::render::job::Region;
+use dioptric::render::region::Region;
 use dioptric::render::setting::{develop, render::RenderSettings};
 use dioptric::scene::{Description, Diagnostic, Value};
 

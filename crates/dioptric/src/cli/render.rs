@@ -9,7 +9,8 @@ use dioptric::formats::ParamInfo;
 use dioptric::image::{
     Depth, EncodeOptions, Encoding, FileFormat, Image, Layers, draw_grid, encode, ramp,
 };
-use dioptric::render::job::{Control, Region};
+use dioptric::render::job::Control;
+use dioptric::render::region::Region;
 use dioptric::render::scene::Scene;
 use dioptric::render::{Film, compile, picture};
 use serde_json::Value;

@@ -3,7 +3,7 @@
 //! which also go into the picture.
 
 use dioptric::image::Develop;
-use dioptric::render::job::Region;
+use dioptric::render::region::Region;
 use dioptric::render::{RayCounts, RenderSettings};
 use serde_json::{Value, json};
 

@@ -4,7 +4,7 @@
 use std::io::Write;
 use std::sync::Arc;
 
-use dioptric::render::job::Region;
+use dioptric::render::region::Region;
 use dioptric::render::scene::Scene;
 use dioptric::render::{compile, why};
 

@@ -7,7 +7,6 @@
 
 pub mod adaptive;
 mod pass;
-mod region;
 
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -16,11 +15,11 @@ use dioptric_scene::Diagnostic;
 use rayon::ThreadPool;
 
 pub use adaptive::samples_of_pixel;
-pub use region::{Region, TILE};
 
 use self::adaptive::Summary;
 use self::pass::{Sampled, sample_tile, work_through};
 use crate::film::{Film, Radiance, filled};
+use crate::region::Region;
 use crate::sampling::{Antialias, PixelSample, Stream};
 use crate::setting::render::RenderSettings;
 use crate::stats::RayCounts;
