@@ -26,9 +26,10 @@ static SCHEMA: Schema = Schema {
     summary: "bricks with mortar between them",
     doc: "`size` is the length (x), height (y) and depth (z) of a brick with its share of mortar; the mortar\n\
           fills half of `joint` on each side of the borders. Courses begin at y = 0, counted from `offset`;\n\
-          every other course is moved by `shift` of a brick in x and z. In x and z the first brick has its\n\
-          middle at 0, so that walls at whole multiples show bricks and not the mortar behind them. A lane\n\
-          of `size` that is 0 does not count: `size = (0.4, 0.15, 0)` is a flat pattern.\n\n\
+          neighbouring courses are moved by `shift` of a brick against each other in x and z. With the usual\n\
+          half, walls at whole and half multiples of the length or depth lie a quarter of a brick away from\n\
+          the nearest joint and show bricks, not the mortar behind them. A lane of `size` that is 0 does not\n\
+          count: `size = (0.4, 0.15, 0)` is a flat pattern.\n\n\
           With a `softness` the pattern makes a good bump map.",
     params: &[
         Param::new(
@@ -49,7 +50,7 @@ static SCHEMA: Schema = Schema {
             "shift",
             Type::UNIT,
             Default::Number(0.5),
-            "How far every other course is moved, in bricks.",
+            "How far neighbouring courses are moved against each other, in bricks.",
         ),
         Param::new(
             "softness",
@@ -79,8 +80,8 @@ impl Pattern for Bricks {
 
     fn eval(&self, point: &PatternPoint) -> Spectrum {
         let (p, size) = (self.place.of(point), self.place.size());
-        let shift = if is_even(p.y.floor()) { 0.0 } else { self.shift };
-        let p = DVec3::new(p.x - shift + 0.5, p.y, p.z - shift + 0.5);
+        let shift = if is_even(p.y.floor()) { 0.5 * self.shift } else { -0.5 * self.shift };
+        let p = DVec3::new(p.x + shift + 0.5, p.y, p.z + shift + 0.5);
         // Distance to the nearest border, in the units of the space.
         let border = |x: f64, size: f64| {
             if size > 0.0 { (0.5 - (x - x.floor() - 0.5).abs()) * size } else { f64::INFINITY }
@@ -102,20 +103,34 @@ mod tests {
             &[("brick", n(1.0)), ("mortar", n(0.0)), ("size", v(2.0, 1.0, 0.0)), ("joint", n(0.2))],
         );
         for (x, y, value) in [
+            // Borders at x = 0.5 and every 2 from there in even courses, at -0.5 in odd ones.
             (0.0, 0.5, 1.0),
+            (0.39, 0.5, 1.0),
+            (0.41, 0.5, 0.0),
+            (0.59, 0.5, 0.0),
+            (0.61, 0.5, 1.0),
+            (-1.45, 0.5, 0.0),
+            (-0.5, 0.5, 1.0),
+            (-0.5, 1.5, 0.0),
+            (0.5, 1.5, 1.0),
+            (1.55, -0.5, 0.0),
+            // Between the courses.
             (0.0, 0.09, 0.0),
             (0.0, 0.11, 1.0),
             (0.0, 0.95, 0.0),
-            (0.95, 0.5, 0.0),
-            (1.05, 0.5, 0.0),
-            (1.11, 0.5, 1.0),
-            (-1.05, 0.5, 0.0),
-            // The next course: half a brick further.
-            (0.0, 1.5, 0.0),
-            (1.0, 1.5, 1.0),
-            (0.0, -0.5, 0.0),
         ] {
             assert_eq!(wall.eval(&at(x, y, 12.3)), grey(value), "{x} {y}");
+        }
+    }
+
+    #[test]
+    fn walls_at_whole_and_half_multiples_show_bricks() {
+        let wall = pattern("bricks", &[("brick", n(1.0)), ("mortar", n(0.0))]);
+        for z in [0.0, 0.1, 0.2, 1.0, -1.0, 3.3] {
+            for y in [0.05, 0.2] {
+                assert_eq!(wall.eval(&at(0.0, y, z)), grey(1.0), "{z} {y}");
+                assert_eq!(wall.eval(&at(2.0 * z, y, 0.0)), grey(1.0), "{z} {y}");
+            }
         }
     }
 }

@@ -58,7 +58,7 @@ static SCHEMA: Schema = Schema {
         place::OFFSET,
         place::SPACE,
     ],
-    example: "box(min = (-2, 0, -2), max = (2, 0.2, 2), material = matte(hexagons(\"wheat\", \"peru\", \"sienna\", size = 0.3, joint = 0.03)))",
+    example: "box(min = (-1.3, 0, -1.3), max = (1.3, 0.2, 1.3), material = matte(hexagons(\"wheat\", \"peru\", \"sienna\", size = 0.2, joint = 0.02)))",
 };
 
 impl Pattern for Hexagons {

@@ -46,7 +46,7 @@ static SCHEMA: Schema = Schema {
         place::OFFSET,
         place::SPACE,
     ],
-    example: "sphere(center = (0, 1, 0), radius = 1, material = matte(turbulence(\"royalblue\", \"white\", form = \"fbm\")))",
+    example: "sphere(center = (0, 1, 0), radius = 1, material = matte(ramp(turbulence(form = \"fbm\"), [(0.4, \"royalblue\"), (0.6, \"white\")])))",
 };
 
 impl Pattern for Turbulence {
