@@ -90,7 +90,7 @@ fn wrong_settings_are_explained() {
     assert_eq!(
         wrong(&[("antialias", text("sobel"))]),
         "antialias of render: expected one of \"none\", \"grid\", \"report\", \"jitter\", \"sobol\", \
-         \"adaptive\", got \"sobel\" (did you mean \"sobol\"?)"
+         \"adaptive\", got \"sobel\"; did you mean \"sobol\"?"
     );
     assert_eq!(wrong(&[("bounce", Value::Number(1.0))]), "render has no parameter bounce");
 }
