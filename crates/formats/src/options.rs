@@ -21,7 +21,8 @@ pub struct ReadOptions {
 /// Where reading a scene stops with an error instead of going on.
 ///
 /// The limits count work, never time: a scene that is read here is read everywhere. The limit on
-/// memory is tested every 1000 steps and before text or lists are repeated.
+/// memory is tested every 1000 steps and where text or lists are joined or repeated; it is passed by
+/// a single step at most, such as a `join` of many long texts.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Limits {
     /// Calls and turns of loops: 100 million. `--max-steps`.

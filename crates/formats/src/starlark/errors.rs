@@ -45,8 +45,11 @@ impl std::error::Error for Raised {}
 /// to say was recorded before.
 pub(crate) fn diagnose(error: &starlark::Error, state: &State) -> Option<Diagnostic> {
     let mut diagnostic = message(error, state)?;
+    // Where calls are too deep, the last of them says more than the step that no longer fitted.
+    let last = error.call_stack().frames.last().and_then(|frame| frame.location.as_ref());
+    let deep = matches!(error.kind(), ErrorKind::StackOverflow(_));
     if diagnostic.labels.is_empty()
-        && let Some(place) = error.span()
+        && let Some(place) = last.filter(|_| deep).or(error.span())
     {
         diagnostic = diagnostic.at(state.span(place), "");
     }

@@ -89,6 +89,7 @@ impl Session<'_> {
         eval.disable_gc();
         eval.set_loader(self);
         eval.set_print_handler(&print);
+        guards::watch(&mut eval, &again);
         eval.set_check_cancelled(Box::new(move || self.state.count_steps(heap.allocated_bytes())));
         let depth = self.state.limits().depth.clamp(1, MAX_DEPTH);
         eval.set_max_callstack_size(depth.saturating_add(2))

@@ -111,10 +111,18 @@ impl State {
         let limits = self.limits();
         if self.steps.get() > limits.steps {
             self.stopped.set(Some(Stop::Steps));
-        } else if heap_bytes.saturating_add(self.build().bytes) > limits.memory {
+            return true;
+        }
+        self.is_memory_full(heap_bytes)
+    }
+
+    /// Whether the evaluation has to stop because its values and the nodes take too much memory.
+    pub(crate) fn is_memory_full(&self, heap_bytes: usize) -> bool {
+        let full = heap_bytes.saturating_add(self.build().bytes) > self.limits().memory;
+        if full {
             self.stopped.set(Some(Stop::Memory));
         }
-        self.stopped.get().is_some()
+        full
     }
 
     pub(crate) fn stopped(&self) -> Option<Stop> {

@@ -240,6 +240,8 @@ fn limits_stop_what_does_not_end() {
         ("x = [str(i) * 20000 for i in range(9999)]\n", "too-much-memory"),
         ("x = 'x' * 2000000000 * 2000000000\n", "too-much-memory"),
         ("x = [0] * 1000000000\n", "too-much-memory"),
+        ("x = 'x'\nfor i in range(60):\n    x += x\n", "too-much-memory"),
+        ("x = [1]\nfor i in range(60):\n    x = x + x\n", "too-much-memory"),
         (&"(".repeat(100_000), "too-nested"),
         (&format!("x = {}1{}", "[".repeat(90), "]".repeat(90)), "ok"),
         (&format!("x = {}1", "1 + ".repeat(1900)), "ok"),
@@ -346,8 +348,10 @@ fn a_million_spheres_are_read_quickly() {
         "{STAGE}{}",
         r#"
 red = matte("red")
+n = 0
 for i in range(1000000):
     sphere(center = (i % 1000 * 0.5, i // 1000, 0), radius = 0.8, material = red)
+    n += 1
 "#
     );
     let start = std::time::Instant::now();
