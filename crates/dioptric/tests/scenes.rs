@@ -9,8 +9,8 @@ use std::sync::Arc;
 
 use dioptric::formats::{ReadOptions, read, report};
 use dioptric::render::compile::{Options, compile};
-use dioptric::render::job::{Control, Region};
 use dioptric::render::picture;
+use dioptric::render::{Control, Region};
 use dioptric::scene::Value;
 use dioptric::scene::loader::FolderLoader;
 

@@ -16,6 +16,8 @@ use crate::scene::{LEAF_SHIFT, ObjectInfo};
 
 /// Groups in groups deeper than this are refused: the walk is recursive.
 const MAX_DEPTH: usize = 200;
+/// Solids in one combination; a ray tests them all.
+const MAX_LEAVES: u32 = 1 << 16;
 /// Errors after this many are not collected: they repeat.
 const MAX_ERRORS: usize = 20;
 
@@ -35,6 +37,9 @@ pub(super) struct Places<'a, 'b> {
     world: WorldBuilder,
     /// How often each shape node is used by groups: twice or more is worth an instance.
     uses: Vec<u32>,
+    /// How many objects or leaves each shape node is, itself written out. Nodes can share members, so
+    /// that sixty groups of two are 2^60 spheres: known before anything is built.
+    expanded: Vec<u32>,
     materials: Vec<AnyMaterial>,
     material_of: HashMap<Option<NodeId>, u32>,
     groups: HashMap<(NodeId, u32), GroupId>,
@@ -58,10 +63,20 @@ struct Context {
 impl<'a, 'b> Places<'a, 'b> {
     pub fn new(d: &'a Description, builder: &'b mut Builder<'a>, max_objects: usize) -> Self {
         let mut uses = vec![0; d.nodes.len()];
-        for node in d.nodes.iter().filter(|n| n.schema.category == Category::Shape) {
-            for (_, value) in &node.args {
-                value.for_each_node(&mut |id| uses[id.0 as usize] += 1);
+        let mut expanded = vec![0_u32; d.nodes.len()];
+        // Members come before the nodes that hold them. Nodes that are no shapes count as nothing.
+        for (i, node) in d.nodes.iter().enumerate() {
+            if node.schema.category != Category::Shape {
+                continue;
             }
+            let mut members = 0_u32;
+            for (_, value) in &node.args {
+                value.for_each_node(&mut |id| {
+                    uses[id.0 as usize] += 1;
+                    members = members.saturating_add(expanded[id.0 as usize]);
+                });
+            }
+            expanded[i] = members.max(1);
         }
         let grey = AnyMaterial::Matte(Matte::new(Spectrum::splat(0.5)));
         Self {
@@ -69,6 +84,7 @@ impl<'a, 'b> Places<'a, 'b> {
             builder,
             world: WorldBuilder::new(),
             uses,
+            expanded,
             materials: vec![grey],
             material_of: HashMap::from([(None, 0)]),
             groups: HashMap::new(),
@@ -156,6 +172,7 @@ impl<'a, 'b> Places<'a, 'b> {
         let group = match self.groups.get(&(args.id, material)) {
             Some(&group) => group,
             None => {
+                self.check_room(args, self.expanded[args.id.0 as usize])?;
                 let group = self.world.begin_group();
                 let inside = Context {
                     placement: DAffine3::IDENTITY,
@@ -176,15 +193,30 @@ impl<'a, 'b> Places<'a, 'b> {
         Ok(())
     }
 
+    /// Whether `more` objects are still allowed.
+    fn check_room(&self, args: &Args, more: u32) -> Result<(), Diagnostic> {
+        if self.objects.len() as u64 + u64::from(more) <= self.max_objects as u64 {
+            return Ok(());
+        }
+        Err(args
+            .error_here(
+                "too-many-objects",
+                format!("the scene has more than {} objects", self.max_objects),
+            )
+            .help("raise the limit with --max-objects, or use fewer"))
+    }
+
     fn object(&mut self, args: &Args, context: Context) -> Result<(), Diagnostic> {
-        if self.objects.len() >= self.max_objects {
+        let leaves = self.expanded[args.id.0 as usize];
+        if leaves > MAX_LEAVES {
             return Err(args
                 .error_here(
                     "too-many-objects",
-                    format!("the scene has more than {} objects", self.max_objects),
+                    format!("{} combines more than {MAX_LEAVES} solids", args.node().schema.kind),
                 )
-                .help("raise the limit with --max-objects, or use fewer"));
+                .help("combine fewer, or use a group where the solids need not be joined"));
         }
+        self.check_room(args, 1)?;
         let Some(shape) = AnyShape::from_args(args)? else {
             let kind = args.node().schema.kind;
             return Err(args.error_here("internal", format!("{kind} is no shape")));
