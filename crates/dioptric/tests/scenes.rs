@@ -75,3 +75,16 @@ fn every_scene_renders_without_a_complaint() {
     }
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
+
+#[test]
+fn every_scene_says_how_it_is_rendered_and_is_listed() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes").canonicalize().unwrap();
+    let index = std::fs::read_to_string(root.join("README.md")).unwrap();
+    for file in scene_files(&root) {
+        let name = file.strip_prefix(&root).unwrap().to_str().unwrap().replace('\\', "/");
+        assert!(index.contains(&format!("]({name})")), "scenes/README.md lacks {name}");
+        let text = std::fs::read_to_string(&file).unwrap();
+        let head: String = text.lines().take_while(|line| line.starts_with('#')).collect();
+        assert!(head.contains(&format!("dioptric render scenes/{name}")), "the head of {name}");
+    }
+}
