@@ -45,7 +45,9 @@ impl<'a, R: Recorder> Whitted<'a, R> {
         state: &State,
     ) -> Spectrum {
         let medium = Medium { object: point.hit.id, ior, absorption };
-        if !point.outside {
+        let solid = self.scene.world.shape(point.hit.id.object).is_some_and(|s| s.is_solid());
+        // A pane has no inside: it looks the same from both sides.
+        if solid && !point.outside {
             // From within (the camera is inside, or an object in there sent the ray): only the exit is left.
             // The way to here was weakened by whoever knows its length, if it was known to be inside.
             let passage = self.pass(self.leave(point, ior), &medium, point.ray.time);
@@ -58,7 +60,6 @@ impl<'a, R: Recorder> Whitted<'a, R> {
         } else {
             Spectrum::ZERO
         };
-        let solid = self.scene.world.shape(point.hit.id.object).is_some_and(|s| s.is_solid());
         let passage = if solid {
             // Entering a denser object always succeeds; a thinner one may reflect all, which is then followed.
             match refract(point.ray.direction, point.normal, 1.0 / ior) {
