@@ -33,7 +33,6 @@ fn every_entity_becomes_what_it_means() {
   "scene": [
     {"kind": "background", "color": [0.078, 0.361, 0.753]},
     {"kind": "camera", "eye": [2.1, 1.3, 1.7], "look_at": [0, 0, 0], "up": [0, 0, 1], "fov": 45},
-    {"kind": "render", "size": [512, 256], "bounces": 4, "shadows": "tinted"},
     {
       "kind": "polygon",
       "points": [[12, 12, -0.5], [-12, 12, -0.5], [-12, -12, -0.5], [12, -12, -0.5]],
@@ -99,6 +98,7 @@ fn every_entity_becomes_what_it_means() {
     {"kind": "light", "position": [1, -4, 4], "intensity": 0.5},
     {"kind": "light", "position": [-3, 1, 5], "color": [1, 0, 0]},
     {"kind": "light", "position": [1, 2, 3], "intensity": 0.5},
+    {"kind": "render", "size": [512, 256], "bounces": 32, "shadows": "tinted"},
     {"kind": "scene", "colors": "raw"},
     {"kind": "develop", "encoding": "raw"}
   ]

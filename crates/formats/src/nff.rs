@@ -13,8 +13,9 @@
 //! | `p n` corners, `pp n` corners with normals | `polygon`, `triangle`s with normals |
 //!
 //! Colours are raw numbers, no ambient light is added, transparent surfaces colour the light that
-//! crosses them, and four bounces are followed, as the format's
-//! pictures were made. Negative radii (only the inside is seen) are taken as positive.
+//! crosses them, and four bounces are followed, as the format's pictures were made; more where a
+//! surface is transparent, since every polygon of a transparent body counts as one. Negative radii
+//! (only the inside is seen) are taken as positive.
 
 mod tokens;
 
@@ -46,13 +47,14 @@ pub(crate) fn read(
         limit: options.limits.objects,
         lights: Vec::new(),
         fill: None,
-        camera: None,
+        view: None,
+        bounces: BOUNCES,
     };
     if let Err(Some(error)) = reader.entities(&mut Tokens::new(&text, file)) {
         reader.build.record(*error);
     }
     let mut build = reader.build;
-    if reader.camera.is_none() && build.diagnostics.is_empty() {
+    if reader.view.is_none() && build.diagnostics.is_empty() {
         build.diagnostics.push(
             Diagnostic::error("no-camera", format!("{path} has no viewpoint")).help(
                 "add the lines: v, from 0 0 5, at 0 0 0, up 0 1 0, angle 45, hither 1, resolution 512 512",
@@ -74,8 +76,19 @@ struct Reader<'a> {
     limit: usize,
     lights: Vec<Light>,
     fill: Option<Fill>,
-    /// Where the viewpoint is.
-    camera: Option<Span>,
+    view: Option<View>,
+    bounces: f64,
+}
+
+/// Bounces that are followed among mirrors: POV-Ray's.
+const BOUNCES: f64 = 4.0;
+/// Bounces that are followed where a surface is transparent.
+const BOUNCES_THROUGH: f64 = 32.0;
+
+/// What is left of the viewpoint once the camera is made.
+struct View {
+    size: [f64; 2],
+    span: Span,
 }
 
 struct Light {
@@ -112,8 +125,14 @@ impl Reader<'_> {
             }
             self.add("light", light.span, args)?;
         }
-        // The format's numbers are those of the screen.
-        if let Some(span) = self.camera {
+        if let Some(View { size, span }) = self.view {
+            let render = vec![
+                ("size", Value::Vec2(size)),
+                ("bounces", Value::Number(self.bounces)),
+                ("shadows", Value::Text("tinted".into())),
+            ];
+            self.add("render", span, render)?;
+            // The format's numbers are those of the screen.
             self.add("scene", span, vec![("colors", Value::Text("raw".into()))])?;
             self.add("develop", span, vec![("encoding", Value::Text("raw".into()))])?;
         }
@@ -203,27 +222,21 @@ impl Reader<'_> {
                     .help("v needs from, at, up, angle and resolution after it"),
             ));
         };
-        if let Some(first) = self.camera {
+        if let Some(View { span: first, .. }) = self.view {
             return Err(stop(
                 Diagnostic::error("second-camera", "the file has a second viewpoint")
                     .at(span, "")
                     .at(first, "the first"),
             ));
         }
-        self.camera = Some(span);
+        self.view = Some(View { size, span });
         let camera = vec![
             ("eye", Value::Vec3(from)),
             ("look_at", Value::Vec3(at)),
             ("up", Value::Vec3(up)),
             ("fov", Value::Number(angle)),
         ];
-        self.add("camera", span, camera)?;
-        let render = vec![
-            ("size", Value::Vec2(size)),
-            ("bounces", Value::Number(4.0)),
-            ("shadows", Value::Text("tinted".into())),
-        ];
-        self.add("render", span, render).map(drop)
+        self.add("camera", span, camera).map(drop)
     }
 
     fn cone(&mut self, span: Span, tokens: &mut Tokens) -> Result<(), Stop> {
@@ -308,6 +321,7 @@ impl Reader<'_> {
             args.push(("exponent", Value::Number(shine)));
         }
         let kind = if through > 0.0 {
+            self.bounces = BOUNCES_THROUGH;
             args.push(("own", Value::Number(1.0 - through)));
             args.push(("tint", color));
             // An index of 0 is how the format says that there is none.

@@ -34,7 +34,12 @@ pub fn load(path: &str, loader: &dyn Loader, set: &[(&str, &str)]) -> Scene {
     load_with(path, loader, set, &Options::default())
 }
 
-fn load_with(path: &str, loader: &dyn Loader, set: &[(&str, &str)], options: &Options) -> Scene {
+pub fn load_with(
+    path: &str,
+    loader: &dyn Loader,
+    set: &[(&str, &str)],
+    options: &Options,
+) -> Scene {
     let read_options = ReadOptions {
         set: set.iter().map(|(k, v)| ((*k).to_string(), (*v).to_string())).collect(),
         ..ReadOptions::default()
