@@ -273,10 +273,11 @@ impl<'a, R: Recorder> Whitted<'a, R> {
         alpha: f64,
         state: &State,
     ) -> Spectrum {
-        // Light of its own (highlights) shows on the outside only.
-        let mut value = if point.outside { self.own(point) } else { Spectrum::ZERO };
         let scene = self.scene;
         let solid = scene.world.shape(point.hit.id.object).is_some_and(|s| s.is_solid());
+        // Light of its own (highlights) and tints show on the outside only; a pane has no other side.
+        let outer_side = point.outside || !solid;
+        let mut value = if outer_side { self.own(point) } else { Spectrum::ZERO };
         let here = self.media.ior(state.inside);
         let (from, to, inside) = if !solid {
             // A pane without thickness: it mirrors, and what goes through goes straight on.
@@ -299,7 +300,7 @@ impl<'a, R: Recorder> Whitted<'a, R> {
         });
         if reflected > 0.0 {
             let direction = above(point, mirror(d, facet));
-            let tint = if point.outside { tint_reflected } else { Spectrum::ONE };
+            let tint = if outer_side { tint_reflected } else { Spectrum::ONE };
             value += self.follow(
                 RayKind::Reflected,
                 point.spawn(direction),
@@ -309,7 +310,7 @@ impl<'a, R: Recorder> Whitted<'a, R> {
             );
         }
         if let Some(direction) = through.filter(|t| t.dot(point.geometric()) < 0.0) {
-            let tint = if point.outside { tint_through } else { Spectrum::ONE };
+            let tint = if outer_side { tint_through } else { Spectrum::ONE };
             let weight = tint * (1.0 - reflected);
             value +=
                 self.follow(RayKind::Transmitted, point.spawn(direction), weight, state, inside);
