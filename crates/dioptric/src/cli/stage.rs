@@ -14,7 +14,7 @@ const LIGHTS: &str = "light(position = (-4, 7, 6), intensity = 0.7)\n\
 const AMBIENT: &str = "ambient(0.12)";
 const BACKGROUND: &str = "background(gradient(low = (0.8, 0.86, 0.92), high = (0.4, 0.55, 0.78)))";
 // The floor fades into the sky instead of shimmering at the horizon.
-const FOG: &str = "fog(color = (0.8, 0.86, 0.92), distance = 28)";
+const FOG: &str = "fog(color = (0.8, 0.86, 0.92), start = 9, distance = 28)";
 const FLOOR: &str = "plane(point = (0, 0, 0), material = matte(checker((0.82, 0.82, 0.8), (0.62, 0.63, 0.65), size = (1, 0, 1))), name = \"stage floor\")";
 const ACTORS: &str = "sphere(center = (-1.1, 0.7, 0), radius = 0.7, material = plastic(\"crimson\"))\n\
                       box(min = (0.3, 0, -0.5), max = (1.3, 1, 0.5), material = matte(\"seagreen\"))";

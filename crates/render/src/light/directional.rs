@@ -86,7 +86,7 @@ impl Light for Directional {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::light::testing::build;
+    use crate::light::testing::{build, grid};
     use crate::setting::testing::scaled_root;
     use dioptric_scene::Value;
 
@@ -110,5 +110,12 @@ mod tests {
         assert_eq!(sun.samples(), 16);
         let rim = sun.sample(DVec3::ZERO, [0.0, 0.5]).unwrap().direction;
         assert!((rim.y - dioptric_math::cos(30.0_f64.to_radians())).abs() < 1e-12);
+        // A surface that faces it receives what parallel light would give.
+        let n = 128;
+        let mean: f64 = grid(n)
+            .filter_map(|u| sun.sample(DVec3::ZERO, u))
+            .map(|s| s.direction.y * s.arriving.x / f64::from(n * n))
+            .sum();
+        assert!((mean - 1.0).abs() < 1e-4, "{mean}");
     }
 }

@@ -67,7 +67,7 @@ static SCHEMA: Schema = Schema {
         BUMP,
         BUMP_HEIGHT,
     ],
-    example: "box(min = (-1, 0, -1), max = (1, 2, 1), material = clear(\"seagreen\", own = 0.2, ior = 1.1))",
+    example: "box(min = (-1, 0, -1), max = (1, 2, 1), material = clear(\"seagreen\", own = 0.25, ior = 1.02))",
 };
 
 impl Material for Clear {
