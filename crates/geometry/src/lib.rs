@@ -24,7 +24,7 @@ pub mod world;
 pub use bounds::Bounds;
 pub use group::GROUP_SCHEMA;
 pub use placement::{TRANSFORM_SCHEMAS, placement};
-pub use ray::{Departure, HitId, Leaving, LocalRay, Ray};
+pub use ray::{Contacts, Departure, HitId, Leaving, LocalRay, Ray};
 pub use shape::{Crossing, LocalSurface, Root, Shape};
 pub use shapes::AnyShape;
 pub use transform::Transform;

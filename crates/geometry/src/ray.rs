@@ -62,6 +62,31 @@ pub struct Departure {
     pub outward: bool,
 }
 
+/// What becomes of other objects' surfaces that touch the very point which a ray leaves: a table under
+/// glass, a poster on a wall.
+///
+/// A ray that goes on through the point crosses them. One that stays on the side from which its point
+/// was reached (mirrored, or towards a light) does not. For both it is the other way round with the object
+/// that was crossed last on the way to the point, if that was at the same place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Contacts {
+    /// Whether they are hit, at `t = 0`.
+    pub crossed: bool,
+    /// The object for which it is the other way round.
+    pub except: Option<HitId>,
+}
+
+impl Contacts {
+    /// All are hit.
+    pub const CROSSED: Self = Self { crossed: true, except: None };
+
+    /// Whether an object that touches the point is hit.
+    #[must_use]
+    pub fn crosses(&self, object: &HitId) -> bool {
+        self.crossed != self.except.is_some_and(|e| e.same_object(object))
+    }
+}
+
 /// A [`Departure`] as the left object itself sees it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Leaving {

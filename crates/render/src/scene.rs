@@ -11,6 +11,7 @@ use dioptric_scene::{Description, NodeId};
 
 use crate::bump::perturbed_normal;
 use crate::camera::AnyCamera;
+use crate::integrator::media::Medium;
 use crate::integrator::recorder::SourcePlace;
 use crate::light::AnyLight;
 use crate::material::AnyMaterial;
@@ -66,6 +67,8 @@ pub struct Scene {
     pub surroundings: Surroundings,
     /// The camera.
     pub camera: AnyCamera,
+    /// The transparent objects that the camera is inside of, the innermost last.
+    pub around_camera: Vec<Medium>,
     /// From the file's space to the space of rays.
     pub root: Root,
     /// Size, samples, limits.

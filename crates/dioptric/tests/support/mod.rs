@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use dioptric::formats::{ReadOptions, read, report};
 use dioptric::render::compile::{Options, compile};
+use dioptric::render::integrator::recorder::{Node, RayKind};
 use dioptric::render::scene::Scene;
 use dioptric::render::why::{Pixel, explain};
 use dioptric::scene::loader::{FolderLoader, Loader, MemoryLoader};
@@ -56,4 +57,66 @@ pub fn load_with(
 /// All there is to know of a pixel.
 pub fn pixel(scene: &Scene, x: u32, y: u32) -> Pixel {
     explain(scene, x, y).expect("the pixel is in the picture")
+}
+
+/// What every test of optics begins with: one pixel, one ray straight ahead, colours as they are.
+pub const ONE_RAY: &str = r#"
+version(1)
+scene(colors = "raw")
+develop(encoding = "raw")
+render(size = (1, 1), antialias = "none", min_contribution = 0, BOUNCES)
+"#;
+
+/// The tree of the one ray of a scene text that says nothing of how it is rendered.
+pub fn one_ray(bounces: u32, text: &str) -> Node {
+    render_setting(&format!("bounces = {bounces}"), text)
+}
+
+/// The same with more settings of `render`.
+pub fn render_setting(setting: &str, text: &str) -> Node {
+    let scene = scene(&format!("{}\n{text}", ONE_RAY.replace("BOUNCES", setting)));
+    let pixel = pixel(&scene, 0, 0);
+    assert_eq!(pixel.samples.len(), 1);
+    let ray = pixel.samples[0].ray.clone().expect("the camera sees everywhere");
+    assert_sums(&ray);
+    ray
+}
+
+/// Every value of a tree is the sum of its parts; returns the number of rays by kind.
+pub fn assert_sums(node: &Node) -> [u64; 3] {
+    let mut counts = [0; 3];
+    counts[node.kind as usize] += 1;
+    let mut sum = [0.0; 3];
+    for term in &node.terms {
+        sum = [0, 1, 2].map(|i| sum[i] + term.value[i]);
+    }
+    for child in &node.children {
+        let below = assert_sums(&child.ray);
+        counts = [0, 1, 2].map(|i| counts[i] + below[i]);
+        sum = [0, 1, 2].map(|i| sum[i] + child.weight[i] * child.ray.value[i]);
+    }
+    for (a, b) in sum.iter().zip(node.value) {
+        assert!((a - b).abs() <= 1e-12 * b.abs().max(1.0), "{sum:?} is not the value of {node:?}");
+    }
+    counts
+}
+
+/// Panics unless three numbers are what they should be.
+#[track_caller]
+pub fn assert_near(got: [f64; 3], expected: [f64; 3], tolerance: f64) {
+    assert!(
+        got.iter().zip(expected).all(|(a, b)| (a - b).abs() <= tolerance),
+        "{got:?}, expected {expected:?}"
+    );
+}
+
+/// The ray itself and all that it passed on to through surfaces, in order.
+pub fn transmitted(node: &Node) -> Vec<&Node> {
+    let mut chain = vec![node];
+    while let Some(next) =
+        chain.last().and_then(|n| n.children.iter().find(|c| c.ray.kind == RayKind::Transmitted))
+    {
+        chain.push(&next.ray);
+    }
+    chain
 }

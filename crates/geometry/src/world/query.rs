@@ -3,12 +3,16 @@
 
 use super::{Hit, Instance, Level, Object, Surface, World};
 use crate::bvh::{Counter, NoCount};
-use crate::ray::{Departure, HitId, Leaving, LocalRay, Ray};
-use crate::shape::Crossing;
+use crate::ray::{Contacts, Departure, HitId, Leaving, LocalRay, Ray};
+use crate::shape::{Crossing, Root};
 use crate::transform::Transform;
 
 /// A shape's surface that is crossed more often than this by one ray is cut off there.
 const MAX_CROSSINGS: usize = 10_000;
+
+/// Surfaces further away than this many times the error of a ray's origin are not asked whether they
+/// touch it: only a ray that leaves at less than a millionth of a radian could tell.
+const CONTACT_REACH: f64 = 1e6;
 
 impl World {
     /// The nearest hit with `0 <= t <= t_max`; of several at the same `t` the one with the lowest id.
@@ -29,9 +33,32 @@ impl World {
         departure: Option<&Departure>,
         counter: &mut C,
     ) -> Option<Hit> {
+        self.nearest(ray, t_max, departure, Contacts::CROSSED, counter)
+    }
+
+    /// [`Self::closest`] for a ray that leaves a surface which others may touch.
+    #[must_use]
+    pub fn closest_past(
+        &self,
+        ray: &Ray,
+        t_max: f64,
+        departure: Option<&Departure>,
+        contacts: Contacts,
+    ) -> Option<Hit> {
+        self.nearest(ray, t_max, departure, contacts, &mut NoCount)
+    }
+
+    fn nearest<C: Counter>(
+        &self,
+        ray: &Ray,
+        t_max: f64,
+        departure: Option<&Departure>,
+        contacts: Contacts,
+        counter: &mut C,
+    ) -> Option<Hit> {
         let mut best: Option<Hit> = None;
         self.visit(ray, t_max, departure, counter, |instance, object, local| {
-            if let Some(root) = object.shape.intersect(local) {
+            if let Some(root) = meet(instance, object, local, contacts) {
                 let hit =
                     Hit { t: root.t, id: HitId { instance, object: object.id, part: root.part } };
                 let nearer = |b: Hit| hit.t < b.t || (hit.t == b.t && hit.id < b.id);
@@ -59,9 +86,32 @@ impl World {
         departure: Option<&Departure>,
         counter: &mut C,
     ) -> bool {
+        self.blocked(ray, t_max, departure, Contacts::CROSSED, counter)
+    }
+
+    /// [`Self::occluded`] for a ray that leaves a surface which others may touch.
+    #[must_use]
+    pub fn occluded_past(
+        &self,
+        ray: &Ray,
+        t_max: f64,
+        departure: Option<&Departure>,
+        contacts: Contacts,
+    ) -> bool {
+        self.blocked(ray, t_max, departure, contacts, &mut NoCount)
+    }
+
+    fn blocked<C: Counter>(
+        &self,
+        ray: &Ray,
+        t_max: f64,
+        departure: Option<&Departure>,
+        contacts: Contacts,
+        counter: &mut C,
+    ) -> bool {
         let mut found = false;
-        self.visit(ray, t_max, departure, counter, |_, object, local| {
-            found = object.shape.intersect(local).is_some_and(|root| root.t < t_max);
+        self.visit(ray, t_max, departure, counter, |instance, object, local| {
+            found = meet(instance, object, local, contacts).is_some_and(|root| root.t < t_max);
             (!found).then_some(local.t_max)
         });
         found
@@ -236,6 +286,26 @@ impl World {
             Some(t_max)
         })
     }
+}
+
+/// The nearest root of an object. A surface that touches the point which the ray leaves and is not to be
+/// crossed is left as that point's own surface is.
+#[inline]
+fn meet(instance: u32, object: &Object, ray: &LocalRay, contacts: Contacts) -> Option<Root> {
+    let root = object.shape.intersect(ray)?;
+    let far = root.t * ray.direction.abs().max_element() > CONTACT_REACH * ray.error;
+    if contacts == Contacts::CROSSED || far || ray.leaving.is_some() {
+        return Some(root);
+    }
+    let surface = object.shape.surface(ray.at(root.t), root.part);
+    let rising = ray.direction.dot(surface.normal);
+    let touches = root.t * rising.abs() <= ray.error + surface.error;
+    let id = HitId { instance, object: object.id, part: root.part };
+    if !touches || contacts.crosses(&id) {
+        return Some(root);
+    }
+    let leaving = Some(Leaving { part: root.part, outward: rising > 0.0 });
+    object.shape.intersect(&LocalRay { leaving, ..*ray })
 }
 
 /// The ray as a local one; `None` unless it is finite and goes somewhere.

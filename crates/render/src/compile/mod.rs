@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! From a description to a scene. [`compile`] is the page to read: it goes through everything in order.
 
+mod immersion;
 mod place;
 mod settings;
 
@@ -89,7 +90,7 @@ pub fn compile(
     let (Some(camera), true) = (camera, errors.is_empty()) else {
         return Err(errors);
     };
-    let scene = Scene {
+    let mut scene = Scene {
         description: description.clone(),
         world: placed.world,
         objects: placed.objects,
@@ -102,10 +103,12 @@ pub fn compile(
         fog,
         surroundings,
         camera,
+        around_camera: Vec::new(),
         root,
         settings,
         develop,
     };
+    scene.around_camera = immersion::around_camera(&scene);
     Ok((scene, Vec::new()))
 }
 

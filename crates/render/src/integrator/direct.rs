@@ -2,16 +2,15 @@
 //! A surface's own colour: ambient light, its own light, and each light's diffuse term and highlight
 //! behind its shadow.
 
-use dioptric_geometry::world::Hit;
-use dioptric_geometry::{Departure, Ray};
+use dioptric_geometry::HitId;
 use dioptric_math::{DVec3, Spectrum, normalize, pow, powi};
 use serde_json::{Value, json};
 
-use super::media::absorbed;
+use super::point::Point;
 use super::recorder::Recorder;
-use super::whitted::{Point, Whitted};
+use super::whitted::Whitted;
 use crate::light::LightSample;
-use crate::material::{Highlight, HighlightModel, Optics};
+use crate::material::{Highlight, HighlightModel};
 use crate::scene::PlacedLight;
 use crate::setting::render::Shadows;
 
@@ -24,7 +23,18 @@ struct Lit {
     highlight_unshadowed: Spectrum,
     cosine: f64,
     visibility: Spectrum,
-    blockers: Vec<Value>,
+    /// For a recorder only.
+    blockers: Vec<Blocker>,
+}
+
+/// An object between a point and a light.
+struct Blocker {
+    id: HitId,
+    /// Where the nearest ray meets it.
+    t: f64,
+    /// What it lets pass: the sum over the rays that meet it.
+    passes: Spectrum,
+    rays: u32,
 }
 
 impl<'a, R: Recorder> Whitted<'a, R> {
@@ -65,7 +75,7 @@ impl<'a, R: Recorder> Whitted<'a, R> {
             }
         }
         if R::ENABLED {
-            self.tell(placed, n, &lit);
+            self.tell(placed, n, &mut lit);
         }
         lit.diffuse + lit.highlight
     }
@@ -81,8 +91,9 @@ impl<'a, R: Recorder> Whitted<'a, R> {
         let Some(light) = placed.light.sample(point.shading.surface.point, u) else { return };
         let cosine = point.normal.dot(light.direction);
         lit.cosine += share * cosine;
-        // A light behind the surface sends nothing, and no ray is cast; NaN is behind.
-        if !(cosine > 0.0) {
+        // A light behind the surface sends nothing, and no ray is cast; NaN is behind. A bent normal (bumps,
+        // vertex normals) may see a light that the true surface hides.
+        if !(cosine > 0.0 && point.geometric().dot(light.direction) > 0.0) {
             return;
         }
         let arriving = light.arriving * share;
@@ -111,90 +122,74 @@ impl<'a, R: Recorder> Whitted<'a, R> {
 
     /// What of a light passes on its way to a point: 1 where nothing is between.
     fn visibility(&mut self, point: &Point, light: &LightSample) -> Spectrum {
-        let (ray, departure) = point.spawn(light.direction);
-        match self.scene.settings.shadows {
+        let leg = point.back(light.direction);
+        let scene = self.scene;
+        let blocked = || {
+            let departure = Some(&leg.departure);
+            scene.world.occluded_past(&leg.ray, light.distance, departure, leg.contacts)
+        };
+        match scene.settings.shadows {
             Shadows::None => Spectrum::ONE,
             Shadows::Opaque => {
                 self.counts.shadow += 1;
-                let blocked = self.scene.world.occluded(&ray, light.distance, Some(&departure));
-                if blocked { Spectrum::ZERO } else { Spectrum::ONE }
+                if blocked() { Spectrum::ZERO } else { Spectrum::ONE }
             }
             Shadows::Tinted => {
                 self.counts.shadow += 1;
-                self.tinted(&ray, light.distance, &departure)
+                let mut passed = Spectrum::ONE;
+                // Most rays meet nothing; only those that do pay for the list.
+                if blocked() {
+                    scene.passages(&leg, light.distance, |_, factor| {
+                        passed *= factor;
+                        passed != Spectrum::ZERO
+                    });
+                }
+                passed
             }
         }
     }
 
-    /// The product of what every object in the way lets pass, each counted once where the ray enters it
-    /// (or leaves it, if it starts inside), with the absorption along the way through it.
-    fn tinted(&self, ray: &Ray, distance: f64, departure: &Departure) -> Spectrum {
-        // Most rays meet nothing; only those that do pay for the list.
-        if !self.scene.world.occluded(ray, distance, Some(departure)) {
-            return Spectrum::ONE;
-        }
-        let mut hits = Vec::new();
-        self.scene.world.hits(ray, distance, Some(departure), &mut hits);
-        let mut passed = Spectrum::ONE;
-        for (i, hit) in hits.iter().enumerate() {
-            let Some(shading) = self.scene.shading(ray, hit) else { continue };
-            let first_of_object = hits[..i].iter().all(|h| !h.id.same_object(&hit.id));
-            let enters = shading.surface.normal.dot(ray.direction) < 0.0;
-            if enters || first_of_object {
-                passed *= shading.material.finish(&shading.point).shadow_pass;
-            }
-            if !enters {
-                passed *= self.absorbed_inside(&hits[..i], hit, &shading);
-            }
-            if passed == Spectrum::ZERO {
-                break;
-            }
-        }
-        passed
-    }
-
-    /// Absorption between an object's exit and its last entry (the ray's start, if there is none).
-    fn absorbed_inside(
-        &self,
-        before: &[Hit],
-        exit: &Hit,
-        shading: &crate::scene::Shading,
-    ) -> Spectrum {
-        let (Optics::Shares { absorption, .. } | Optics::Dielectric { absorption, .. }) =
-            shading.material.finish(&shading.point).optics
-        else {
-            return Spectrum::ONE;
+    /// Notes every object between a point and a light.
+    fn list_blockers(&self, point: &Point, light: &LightSample, out: &mut Vec<Blocker>) {
+        let opaque = match self.scene.settings.shadows {
+            Shadows::None => return,
+            Shadows::Opaque => true,
+            Shadows::Tinted => false,
         };
-        let entry = before.iter().rev().find(|h| h.id.same_object(&exit.id)).map_or(0.0, |h| h.t);
-        absorbed(absorption, (exit.t - entry) / self.scene.root.scale())
-    }
-
-    /// Every object between a point and a light, nearest first, once each.
-    fn list_blockers(&self, point: &Point, light: &LightSample, out: &mut Vec<Value>) {
-        let (ray, departure) = point.spawn(light.direction);
-        let mut hits = Vec::new();
-        self.scene.world.hits(&ray, light.distance, Some(&departure), &mut hits);
-        hits.retain(|h| h.t < light.distance);
-        for (i, hit) in hits.iter().enumerate() {
-            let name = self.scene.object_label(hit.id);
-            let repeated = hits[..i].iter().any(|h| h.id.same_object(&hit.id))
-                || out.iter().any(|b| b["object"] == json!(name) && b["t"] == json!(hit.t));
-            if !repeated {
-                let pass = self
-                    .scene
-                    .shading(&ray, hit)
-                    .map(|s| s.material.finish(&s.point).shadow_pass.to_array());
-                let pass = if self.scene.settings.shadows == Shadows::Tinted {
-                    pass
-                } else {
-                    Some([0.0; 3])
-                };
-                out.push(json!({"object": name, "source": self.scene.object_source(hit.id), "t": hit.t, "passes": pass}));
+        let mut met: Vec<Blocker> = Vec::new();
+        self.scene.passages(&point.back(light.direction), light.distance, |hit, factor| {
+            let passes = if opaque { Spectrum::ZERO } else { factor };
+            match met.iter_mut().find(|b| b.id.same_object(&hit.id)) {
+                Some(known) => known.passes *= passes,
+                None => met.push(Blocker { id: hit.id, t: hit.t, passes, rays: 1 }),
+            }
+            true
+        });
+        for new in met {
+            match out.iter_mut().find(|b| b.id.same_object(&new.id)) {
+                Some(known) => {
+                    known.t = known.t.min(new.t);
+                    known.passes += new.passes;
+                    known.rays += 1;
+                }
+                None => out.push(new),
             }
         }
     }
 
-    fn tell(&mut self, placed: &PlacedLight, samples: u32, lit: &Lit) {
+    fn tell(&mut self, placed: &PlacedLight, samples: u32, lit: &mut Lit) {
+        lit.blockers.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.id.cmp(&b.id)));
+        let scene = self.scene;
+        let blocker = |b: &Blocker| {
+            json!({
+                "object": scene.object_label(b.id),
+                "source": scene.object_source(b.id),
+                "t": b.t,
+                "passes": (b.passes / f64::from(b.rays)).to_array(),
+                "rays": b.rays,
+            })
+        };
+        let blockers: Vec<Value> = lit.blockers.iter().map(blocker).collect();
         let label = self.scene.description.label(placed.node);
         let source = self.scene.source(placed.node);
         let detail = |unshadowed: Spectrum| {
@@ -204,7 +199,7 @@ impl<'a, R: Recorder> Whitted<'a, R> {
                 "cosine": lit.cosine,
                 "samples": samples,
                 "behind": lit.cosine <= 0.0,
-                "blockers": lit.blockers,
+                "blockers": blockers,
                 "light_source": source,
             })
         };

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! From a camera's ray to radiance.
 
+mod dielectric;
 pub mod direct;
 pub mod media;
 pub mod optics;
 pub mod passage;
+mod point;
 pub mod recorder;
+mod shadow;
 pub mod view;
 pub mod whitted;
 

@@ -10,6 +10,15 @@ pub fn reflect(direction: DVec3, n: DVec3) -> DVec3 {
     normalize(r).unwrap_or(r)
 }
 
+/// The shading normal on the side of the surface from which a direction comes. Where it would be seen from
+/// behind nevertheless, bent as it is, it is turned just so far that it is not.
+#[must_use]
+pub fn facing(direction: DVec3, geometric: DVec3, shading: DVec3) -> DVec3 {
+    let n = if direction.dot(geometric) > 0.0 { -shading } else { shading };
+    let away = direction.dot(n);
+    if away > 0.0 { normalize(n - direction * away).unwrap_or(n) } else { n }
+}
+
 /// Snell's law for a unit direction and a unit normal that faces it (`direction . n < 0`), `eta` being
 /// the index of refraction on the ray's side over that on the other; `None` where all is reflected.
 /// (Glassner, "An Introduction to Ray Tracing", 1989, section 5.2; Heckbert's method.)

@@ -3,14 +3,16 @@
 //! ray enters. The way through the object, inner reflections included, counts as one bounce.
 
 use dioptric_geometry::world::Hit;
-use dioptric_geometry::{Departure, Ray};
+use dioptric_geometry::{Contacts, HitId, Ray};
 use dioptric_math::Spectrum;
 use serde_json::{Value, json};
 
 use super::media::{Medium, absorbed};
-use super::optics::{reflect, refract};
+use super::optics::facing;
+use super::point::{Leg, Point, coincide, leave, mirrored, refracted};
 use super::recorder::{RayKind, Recorder};
-use super::whitted::{Point, State, Whitted, coincide};
+use super::whitted::{State, Whitted};
+use crate::material::{AnyMaterial, Optics};
 use crate::scene::Shading;
 
 /// Inner reflections that are followed before the light is given up as lost.
@@ -19,9 +21,9 @@ pub const INNER_REFLECTIONS: u32 = 64;
 /// How a way through an object ends.
 enum End {
     /// The ray leaves the object.
-    Outside(Ray, Departure),
-    /// Another object is in the way inside.
-    Inside(Ray, Departure),
+    Outside(Leg),
+    /// Something is in the way inside: another object, or a part of this one that is not transparent.
+    Inside(Leg),
     /// It was reflected too often.
     Lost,
 }
@@ -45,47 +47,42 @@ impl<'a, R: Recorder> Whitted<'a, R> {
         state: &State,
     ) -> Spectrum {
         let medium = Medium { object: point.hit.id, ior, absorption };
-        let solid = self.scene.world.shape(point.hit.id.object).is_some_and(|s| s.is_solid());
-        // A pane has no inside: it looks the same from both sides.
+        let solid = point.is_solid(self.scene);
         if solid && !point.outside {
             // From within (the camera is inside, or an object in there sent the ray): only the exit is left.
             // The way to here was weakened by whoever knows its length, if it was known to be inside.
-            let passage = self.pass(self.leave(point, ior), &medium, point.ray.time);
+            let step = match exit(&point.ray, point.hit.id, &point.shading, ior) {
+                Step::Out(leg) => {
+                    Step::Out(Leg { contacts: point.on(leg.ray.direction).contacts, ..leg })
+                }
+                Step::In(leg) => {
+                    Step::In(Leg { contacts: point.back(leg.ray.direction).contacts, ..leg })
+                }
+            };
+            let passage = self.pass(step, &medium);
             return self.beyond(passage, Spectrum::ONE, &medium, state);
         }
         let own = if share > 0.0 {
             let own = self.own(point) * share;
-            self.recorder.scale(Spectrum::splat(share));
+            self.recorder.scale("own share", Spectrum::splat(share));
             own
         } else {
             Spectrum::ZERO
         };
+        let straight =
+            |leg| Passage { end: End::Outside(leg), left: Spectrum::ONE, corners: Vec::new() };
         let passage = if solid {
             // Entering a denser object always succeeds; a thinner one may reflect all, which is then followed.
-            match refract(point.ray.direction, point.normal, 1.0 / ior) {
-                Some(direction) => {
-                    let (ray, departure) = point.spawn(direction);
-                    let start = if departure.outward {
-                        Step::Out(ray, departure)
-                    } else {
-                        Step::In(ray, departure)
-                    };
-                    self.pass(start, &medium, point.ray.time)
-                }
+            match point.refracted(point.normal, 1.0 / ior) {
+                Some(direction) => self.pass(Step::In(point.on(direction)), &medium),
                 None => {
-                    let (ray, departure) = point.spawn(reflect(point.ray.direction, point.normal));
                     self.recorder.note("total_external_reflection", || json!(true));
-                    Passage {
-                        end: End::Outside(ray, departure),
-                        left: Spectrum::ONE,
-                        corners: Vec::new(),
-                    }
+                    straight(point.back(point.mirrored(point.normal)))
                 }
             }
         } else {
             // Without an inside there is no exit: straight on.
-            let (ray, departure) = point.spawn(point.ray.direction);
-            Passage { end: End::Outside(ray, departure), left: Spectrum::ONE, corners: Vec::new() }
+            straight(point.on(point.ray.direction))
         };
         own + self.beyond(passage, tint * (1.0 - share), &medium, state)
     }
@@ -104,15 +101,14 @@ impl<'a, R: Recorder> Whitted<'a, R> {
             || json!({"ior": medium.ior, "transmittance": left.to_array(), "corners": corners}),
         );
         let weight = weight * left;
+        let outer = self.media.leave(state.inside, &medium.object);
         match end {
-            End::Outside(ray, departure) => {
-                let outer = self.media.leave(state.inside, &medium.object);
-                self.follow(RayKind::Transmitted, (ray, departure), weight, state, outer)
-            }
-            End::Inside(ray, departure) => {
-                let outer = self.media.leave(state.inside, &medium.object);
-                let inside = self.media.enter(outer, *medium);
-                self.follow(RayKind::Transmitted, (ray, departure), weight, state, inside)
+            End::Outside(leg) => self.follow(RayKind::Transmitted, leg, weight, state, outer),
+            End::Inside(leg) => {
+                // Its index is relative to what is around it; for what is inside of it that counts too.
+                let ior = medium.ior * self.media.ior(outer);
+                let inside = self.media.enter(outer, Medium { ior, ..*medium });
+                self.follow(RayKind::Transmitted, leg, weight, state, inside)
             }
             End::Lost => {
                 self.recorder.note("inner_reflection_limit", || json!(INNER_REFLECTIONS));
@@ -123,113 +119,89 @@ impl<'a, R: Recorder> Whitted<'a, R> {
 
     /// Follows a ray inside of one object until it gets out. The exit belongs to the object that was
     /// entered, even where another surface coincides with it.
-    fn pass(&mut self, start: Step, medium: &Medium, time: f64) -> Passage {
+    fn pass(&mut self, start: Step, medium: &Medium) -> Passage {
         let scene = self.scene;
         let mut left = Spectrum::ONE;
         let mut corners = Vec::new();
         let mut step = start;
         for _ in 0..=INNER_REFLECTIONS {
-            let (ray, departure) = match step {
-                Step::Out(ray, departure) => {
-                    return Passage { end: End::Outside(ray, departure), left, corners };
-                }
-                Step::In(ray, departure) => (Ray { time, ..ray }, departure),
+            let leg = match step {
+                Step::Out(leg) => return Passage { end: End::Outside(leg), left, corners },
+                Step::In(leg) => leg,
             };
             self.counts.inside += 1;
+            let Leg { ray, departure, .. } = &leg;
             let id = medium.object;
-            let exit = scene.world.closest_of(
-                &ray,
-                f64::INFINITY,
-                Some(&departure),
-                id.instance,
-                id.object,
-            );
-            let exit = exit.and_then(|hit| Some((hit, scene.shading(&ray, &hit)?)));
-            let Some((hit, shading)) = exit else {
+            let hit =
+                scene.world.closest_of(ray, f64::INFINITY, Some(departure), id.instance, id.object);
+            let Some((hit, shading)) = hit.and_then(|hit| Some((hit, scene.shading(ray, &hit)?)))
+            else {
                 // Rounding at an edge: the exit is where the ray already is.
-                return Passage { end: End::Outside(ray, departure), left, corners };
+                return Passage { end: End::Outside(leg), left, corners };
             };
-            if self.something_between(&ray, &departure, &hit, &shading) {
-                return Passage { end: End::Inside(ray, departure), left, corners };
+            if !lets_out(&shading) || self.something_between(&leg, &hit, &shading) {
+                return Passage { end: End::Inside(leg), left, corners };
             }
             left *= absorbed(medium.absorption, hit.t / scene.root.scale());
-            let at = Corner { ray, hit, shading };
-            step = at.leave(medium.ior);
+            step = exit(ray, hit.id, &shading, medium.ior);
             if R::ENABLED {
                 let reflected = matches!(step, Step::In(..));
                 corners.push(json!({
-                    "t": at.hit.t,
-                    "point": at.shading.surface.point.to_array(),
-                    "normal": at.shading.surface.normal.to_array(),
+                    "t": hit.t,
+                    "point": shading.surface.point.to_array(),
+                    "normal": shading.surface.normal.to_array(),
                     "event": if reflected { "total internal reflection" } else { "exit" },
                 }));
             }
         }
         match step {
-            Step::Out(ray, departure) => {
-                Passage { end: End::Outside(ray, departure), left, corners }
-            }
+            Step::Out(leg) => Passage { end: End::Outside(leg), left, corners },
             Step::In(..) => Passage { end: End::Lost, left, corners },
         }
     }
 
     /// Whether another object lies inside, before the exit and not in the same place.
-    fn something_between(
-        &mut self,
-        ray: &Ray,
-        departure: &Departure,
-        exit: &Hit,
-        at_exit: &Shading,
-    ) -> bool {
+    fn something_between(&mut self, leg: &Leg, exit: &Hit, at_exit: &Shading) -> bool {
         let scene = self.scene;
         self.counts.inside += 1;
         scene
             .world
-            .closest(ray, exit.t, Some(departure))
+            .closest_past(&leg.ray, exit.t, Some(&leg.departure), leg.contacts)
             .filter(|h| !h.id.same_object(&exit.id))
             .is_some_and(|other| {
-                // What touches the surface from outside, where the ray came in, is not inside either.
-                let touches_entry = other.t == 0.0;
-                !touches_entry
-                    && scene
-                        .shading(ray, &other)
-                        .is_some_and(|s| !coincide(ray, (&other, &s), (exit, at_exit)))
+                scene
+                    .shading(&leg.ray, &other)
+                    .is_some_and(|s| !coincide(&leg.ray, (&other, &s), (exit, at_exit)))
             })
-    }
-
-    /// The exit at a point that was hit from within.
-    fn leave(&self, point: &Point, ior: f64) -> Step {
-        let d = point.ray.direction;
-        let direction = refract(d, point.normal, ior).unwrap_or_else(|| reflect(d, point.normal));
-        let (ray, departure) = point.spawn(direction);
-        if departure.outward { Step::Out(ray, departure) } else { Step::In(ray, departure) }
     }
 }
 
 /// Where a ray goes from the inner side of a surface.
 enum Step {
-    Out(Ray, Departure),
-    In(Ray, Departure),
+    Out(Leg),
+    In(Leg),
 }
 
-/// A point of the inner side.
-struct Corner<'a> {
-    ray: Ray,
-    hit: Hit,
-    shading: Shading<'a>,
+/// Whether what is met from within is transparent by shares too: patches and parts of combined solids may
+/// differ.
+fn lets_out(shading: &Shading) -> bool {
+    match shading.material {
+        AnyMaterial::Clear(_) => true,
+        other => matches!(other.finish(&shading.point).optics, Optics::Shares { .. }),
+    }
 }
 
-impl Corner<'_> {
-    fn leave(&self, ior: f64) -> Step {
-        let s = &self.shading.surface;
-        let d = self.ray.direction;
-        let facing = if d.dot(s.normal) > 0.0 { -s.normal } else { s.normal };
-        let (direction, outward) = match refract(d, facing, ior) {
-            Some(direction) => (direction, true),
-            None => (reflect(d, facing), false),
-        };
-        let ray = Ray { origin: s.point, direction, time: self.ray.time, error: s.error };
-        let departure = Departure { from: self.hit.id, outward };
-        if outward { Step::Out(ray, departure) } else { Step::In(ray, departure) }
+/// How a ray goes on at a point that was hit from within, of an object with this relative index.
+fn exit(ray: &Ray, from: HitId, shading: &Shading, ior: f64) -> Step {
+    let s = &shading.surface;
+    let d = ray.direction;
+    let normal = facing(d, s.normal, s.shading_normal);
+    let geometric = facing(d, s.normal, s.normal);
+    match refracted(d, normal, geometric, ior) {
+        Some(direction) => Step::Out(leave(ray, from, s, direction)),
+        None => {
+            let leg = leave(ray, from, s, mirrored(d, normal, geometric));
+            Step::In(Leg { contacts: Contacts { crossed: false, except: None }, ..leg })
+        }
     }
 }

@@ -42,6 +42,9 @@ pub struct Term {
 pub struct Child {
     /// Multiplies the value of `ray`, lane by lane.
     pub weight: [f64; 3],
+    /// Factors that are in the weight already: what weakens the ray that caused this one.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub scaled_by: Vec<Value>,
     /// The ray.
     pub ray: Node,
 }
@@ -105,6 +108,8 @@ pub trait Recorder {
     fn hit(&mut self, record: impl FnOnce() -> HitRecord);
     /// A fact about the present ray.
     fn note(&mut self, name: &'static str, value: impl FnOnce() -> Value);
+    /// A fact about the present ray that there can be several of: they become a list.
+    fn also(&mut self, name: &'static str, value: impl FnOnce() -> Value);
     /// A summand of the present ray's value.
     fn term(
         &mut self,
@@ -112,8 +117,8 @@ pub trait Recorder {
         value: Spectrum,
         detail: impl FnOnce() -> (Option<String>, Value),
     );
-    /// Everything that the present ray has so far is multiplied.
-    fn scale(&mut self, factor: Spectrum);
+    /// Everything that the present ray has so far is multiplied, by what `name` says.
+    fn scale(&mut self, name: &'static str, factor: Spectrum);
     /// The present ray is done and brings `value`; its parent counts it with `weight`.
     fn end(&mut self, weight: Spectrum, value: Spectrum);
 }
@@ -127,8 +132,9 @@ impl Recorder for Silent {
     fn begin(&mut self, _: RayKind, _: &Ray) {}
     fn hit(&mut self, _: impl FnOnce() -> HitRecord) {}
     fn note(&mut self, _: &'static str, _: impl FnOnce() -> Value) {}
+    fn also(&mut self, _: &'static str, _: impl FnOnce() -> Value) {}
     fn term(&mut self, _: &'static str, _: Spectrum, _: impl FnOnce() -> (Option<String>, Value)) {}
-    fn scale(&mut self, _: Spectrum) {}
+    fn scale(&mut self, _: &'static str, _: Spectrum) {}
     fn end(&mut self, _: Spectrum, _: Spectrum) {}
 }
 
@@ -182,6 +188,12 @@ impl Recorder for TreeRecorder {
         }
     }
 
+    fn also(&mut self, name: &'static str, value: impl FnOnce() -> Value) {
+        if let Some(node) = self.stack.last_mut() {
+            append(&mut node.detail, name, value());
+        }
+    }
+
     fn term(
         &mut self,
         name: &'static str,
@@ -195,21 +207,16 @@ impl Recorder for TreeRecorder {
         }
     }
 
-    fn scale(&mut self, factor: Spectrum) {
-        if let Some(node) = self.stack.last_mut() {
-            for v in node
-                .terms
-                .iter_mut()
-                .map(|t| &mut t.value)
-                .chain(node.children.iter_mut().map(|c| &mut c.weight))
-            {
-                *v = (Spectrum::from(*v) * factor).into();
-            }
-            // Scalings are told, so that a reader can find the numbers before them.
-            if let Value::Array(list) = node.detail.entry("scaled_by").or_insert_with(|| json!([]))
-            {
-                list.push(json!(factor.to_array()));
-            }
+    fn scale(&mut self, name: &'static str, factor: Spectrum) {
+        let Some(node) = self.stack.last_mut() else { return };
+        let told = json!({"by": name, "factor": factor.to_array()});
+        for term in &mut node.terms {
+            term.value = (Spectrum::from(term.value) * factor).into();
+            append(&mut term.detail, "scaled_by", told.clone());
+        }
+        for child in &mut node.children {
+            child.weight = (Spectrum::from(child.weight) * factor).into();
+            child.scaled_by.push(told.clone());
         }
     }
 
@@ -217,9 +224,20 @@ impl Recorder for TreeRecorder {
         if let Some(mut node) = self.stack.pop() {
             node.value = value.into();
             match self.stack.last_mut() {
-                Some(parent) => parent.children.push(Child { weight: weight.into(), ray: node }),
+                Some(parent) => parent.children.push(Child {
+                    weight: weight.into(),
+                    scaled_by: Vec::new(),
+                    ray: node,
+                }),
                 None => self.root = Some(node),
             }
         }
+    }
+}
+
+/// Adds to a list that may not be there yet.
+fn append(map: &mut Map<String, Value>, key: &str, value: Value) {
+    if let Value::Array(list) = map.entry(key).or_insert_with(|| json!([])) {
+        list.push(value);
     }
 }

@@ -1,19 +1,21 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Whitted's picture: every surface shows its own colour under the lights, and rays go on where it
 //! mirrors or lets through (Whitted, "An Improved Illumination Model for Shaded Display", CACM 23(6),
-//! 1980). This file follows rays; [`super::direct`] lights a point and [`super::passage`] goes through
-//! objects with fixed shares.
+//! 1980). This file follows rays; [`super::direct`] lights a point, [`super::dielectric`] splits a ray at
+//! glass and [`super::passage`] goes through objects with fixed shares.
 
+use dioptric_geometry::Ray;
 use dioptric_geometry::world::Hit;
-use dioptric_geometry::{Departure, Ray};
 use dioptric_math::{DVec3, Spectrum};
 use serde_json::json;
 
+use super::dielectric::Dielectric;
 use super::media::{Inside, Media, Medium, absorbed};
-use super::optics::{facet_normal, fresnel, reflect as mirror, refract, schlick};
+use super::optics::{facet_normal, schlick};
+use super::point::{Leg, Point, coincide};
 use super::recorder::{HitRecord, RayKind, Recorder};
 use crate::film::{FirstHit, Radiance};
-use crate::material::{Finish, Optics};
+use crate::material::Optics;
 use crate::sampling::stream::Stream;
 use crate::scene::{Scene, Shading};
 use crate::stats::RayCounts;
@@ -43,32 +45,6 @@ pub(super) struct State {
     pub inside: Inside,
 }
 
-/// A point being shaded, with the incoming ray.
-pub(super) struct Point<'a> {
-    pub ray: Ray,
-    pub hit: Hit,
-    pub shading: Shading<'a>,
-    pub finish: Finish,
-    /// The shading normal, facing the incoming ray.
-    pub normal: DVec3,
-    /// Whether the ray comes from the side of the geometric normal: from outside of a solid.
-    pub outside: bool,
-}
-
-impl Point<'_> {
-    /// A ray that leaves this point.
-    pub fn spawn(&self, direction: DVec3) -> (Ray, Departure) {
-        let s = &self.shading.surface;
-        let ray = Ray { origin: s.point, direction, time: self.ray.time, error: s.error };
-        (ray, Departure { from: self.hit.id, outward: direction.dot(s.normal) > 0.0 })
-    }
-
-    /// The geometric normal, facing the incoming ray.
-    pub fn geometric(&self) -> DVec3 {
-        if self.outside { self.shading.surface.normal } else { -self.shading.surface.normal }
-    }
-}
-
 impl<'a, R: Recorder> Whitted<'a, R> {
     /// Ready for one camera's ray.
     pub fn new(
@@ -77,13 +53,16 @@ impl<'a, R: Recorder> Whitted<'a, R> {
         counts: &'a mut RayCounts,
         recorder: &'a mut R,
     ) -> Self {
-        Self { scene, stream, counts, recorder, media: Media::new(scene.surroundings.ior) }
+        let media = Media::new(scene.surroundings.ior);
+        Self { scene, stream, counts, recorder, media }
     }
 
     /// The radiance that a camera's ray brings, and what it met first.
     pub fn radiance(&mut self, ray: &Ray) -> Radiance {
         let mut first = FirstHit::NONE;
-        let state = State { depth: 0, throughput: 1.0, inside: None };
+        let around = self.scene.around_camera.iter();
+        let inside = around.fold(None, |inside, &medium| self.media.enter(inside, medium));
+        let state = State { depth: 0, throughput: 1.0, inside };
         self.counts.camera += 1;
         self.recorder.begin(RayKind::Camera, ray);
         let color = self.value(ray, None, &state, Some(&mut first));
@@ -97,7 +76,7 @@ impl<'a, R: Recorder> Whitted<'a, R> {
     pub(super) fn follow(
         &mut self,
         kind: RayKind,
-        (ray, departure): (Ray, Departure),
+        leg: Leg,
         weight: Spectrum,
         state: &State,
         inside: Inside,
@@ -105,7 +84,7 @@ impl<'a, R: Recorder> Whitted<'a, R> {
         let throughput = state.throughput * weight.max_element();
         if !(throughput > 0.0) || throughput < self.scene.settings.min_contribution {
             self.recorder
-                .note("not_followed", || json!({"kind": kind, "weight": weight.to_array()}));
+                .also("not_followed", || json!({"kind": kind, "weight": weight.to_array()}));
             return Spectrum::ZERO;
         }
         match kind {
@@ -113,13 +92,9 @@ impl<'a, R: Recorder> Whitted<'a, R> {
             RayKind::Reflected => self.counts.reflect += 1,
             RayKind::Transmitted => self.counts.refract += 1,
         }
-        self.recorder.begin(kind, &ray);
-        let value = self.value(
-            &ray,
-            Some(&departure),
-            &State { depth: state.depth + 1, throughput, inside },
-            None,
-        );
+        self.recorder.begin(kind, &leg.ray);
+        let state = State { depth: state.depth + 1, throughput, inside };
+        let value = self.value(&leg.ray, Some(&leg), &state, None);
         self.recorder.end(weight, value);
         weight * value
     }
@@ -128,12 +103,15 @@ impl<'a, R: Recorder> Whitted<'a, R> {
     fn value(
         &mut self,
         ray: &Ray,
-        departure: Option<&Departure>,
+        leg: Option<&Leg>,
         state: &State,
         first: Option<&mut FirstHit>,
     ) -> Spectrum {
-        let (value, distance) = match self.nearest(ray, departure, state.inside) {
-            Some((hit, shading)) => (self.surface(ray, hit, shading, state, first), hit.t),
+        let (value, distance) = match self.nearest(ray, leg, state.inside) {
+            Some((hit, shading)) => {
+                let point = Point::new(ray, hit, shading, leg.map(|l| &l.departure));
+                (self.surface(&point, state, first), hit.t)
+            }
             None => {
                 let value = self.scene.background.radiance(ray.direction);
                 self.recorder.term("background", value, || (None, json!({})));
@@ -145,14 +123,13 @@ impl<'a, R: Recorder> Whitted<'a, R> {
 
     /// The nearest hit. Inside of a transparent object its own surface comes before any other that
     /// coincides with it: the exit belongs to the object that was entered.
-    fn nearest(
-        &self,
-        ray: &Ray,
-        departure: Option<&Departure>,
-        inside: Inside,
-    ) -> Option<(Hit, Shading<'a>)> {
+    fn nearest(&self, ray: &Ray, leg: Option<&Leg>, inside: Inside) -> Option<(Hit, Shading<'a>)> {
         let scene = self.scene;
-        let hit = scene.world.closest(ray, f64::INFINITY, departure)?;
+        let departure = leg.map(|l| &l.departure);
+        let hit = match leg {
+            Some(l) => scene.world.closest_past(ray, f64::INFINITY, departure, l.contacts)?,
+            None => scene.world.closest(ray, f64::INFINITY, None)?,
+        };
         let shading = scene.shading(ray, &hit)?;
         if let Some(around) = self.media.top(inside).filter(|m| !m.object.same_object(&hit.id)) {
             let id = around.object;
@@ -177,145 +154,74 @@ impl<'a, R: Recorder> Whitted<'a, R> {
         };
         if left != Spectrum::ONE {
             self.recorder.note("absorption", || json!({"transmittance": left.to_array()}));
-            self.recorder.scale(left);
+            self.recorder.scale("absorption", left);
             value *= left;
         }
         let Some(fog) = scene.fog.as_ref().filter(|_| inside.is_none()) else { return value };
         let left = fog.transmittance(distance);
         let glow = fog.color * (1.0 - left);
-        self.recorder.scale(Spectrum::splat(left));
+        self.recorder.scale("fog", Spectrum::splat(left));
         self.recorder.term("fog", glow, || (None, json!({"transmittance": left})));
         value * left + glow
     }
 
     /// What a surface sends back along a ray.
-    fn surface(
-        &mut self,
-        ray: &Ray,
-        hit: Hit,
-        shading: Shading<'_>,
-        state: &State,
-        first: Option<&mut FirstHit>,
-    ) -> Spectrum {
-        let finish = shading.material.finish(&shading.point);
-        let s = &shading.surface;
-        let normal = if ray.direction.dot(s.shading_normal) > 0.0 {
-            -s.shading_normal
-        } else {
-            s.shading_normal
-        };
-        let outside = ray.direction.dot(s.normal) <= 0.0;
+    fn surface(&mut self, point: &Point, state: &State, first: Option<&mut FirstHit>) -> Spectrum {
         if let Some(first) = first {
             *first = FirstHit {
-                object: self.scene.layer_id(hit.id),
-                depth: hit.t,
-                normal,
-                albedo: finish.base,
+                object: self.scene.layer_id(point.hit.id),
+                depth: point.hit.t,
+                normal: point.normal,
+                albedo: point.finish.base,
             };
         }
-        let point = Point { ray: *ray, hit, shading, finish, normal, outside };
         let (scene, medium) = (self.scene, self.media.top(state.inside));
-        self.recorder.hit(|| record(scene, &point, state, medium));
+        self.recorder.hit(|| record(scene, point, state, medium));
 
         if point.finish.optics == Optics::Opaque {
-            return self.own(&point);
+            return self.own(point);
         }
         if state.depth >= self.scene.settings.bounces {
             self.recorder.note("bounce_limit", || json!(self.scene.settings.bounces));
-            return self.own(&point);
+            // Glass has nothing of its own to show but highlights, and those on its outside.
+            let hollow = matches!(point.finish.optics, Optics::Dielectric { .. });
+            let within = hollow && !point.outside && point.is_solid(self.scene);
+            return if within { Spectrum::ZERO } else { self.own(point) };
         }
         match point.finish.optics {
-            Optics::Opaque => self.own(&point),
+            Optics::Opaque => self.own(point),
             Optics::Mirror { reflect, grazing, roughness, covers } => {
-                let facet = self.facet(&point, roughness);
-                let weight = schlick(reflect, grazing, -ray.direction.dot(facet));
-                let mut own = self.own(&point);
+                let facet = self.facet(point, roughness);
+                let weight = schlick(reflect, grazing, -point.ray.direction.dot(facet));
+                let mut own = self.own(point);
                 if covers {
                     // Lacquer: what is mirrored never reaches the colour below.
                     own *= Spectrum::ONE - weight;
-                    self.recorder.scale(Spectrum::ONE - weight);
+                    self.recorder.scale("coat", Spectrum::ONE - weight);
                 }
-                let direction = above(&point, mirror(ray.direction, facet));
-                own + self.follow(
-                    RayKind::Reflected,
-                    point.spawn(direction),
-                    weight,
-                    state,
-                    state.inside,
-                )
+                let leg = point.back(point.mirrored(facet));
+                own + self.follow(RayKind::Reflected, leg, weight, state, state.inside)
             }
             Optics::Shares { own, ior, tint, absorption } => {
-                self.through_by_shares(&point, own, ior, tint, absorption, state)
+                self.through_by_shares(point, own, ior, tint, absorption, state)
             }
             Optics::Dielectric { ior, reflect, transmit, absorption, roughness } => {
                 let medium = Medium { object: point.hit.id, ior, absorption };
-                self.dielectric(&point, &medium, reflect, transmit, roughness, state)
+                let how = Dielectric { reflect, transmit, roughness };
+                self.dielectric(point, &medium, how, state)
             }
         }
     }
 
     /// The normal of the facet that this sample meets: the surface's own where it is smooth.
-    fn facet(&mut self, point: &Point, alpha: f64) -> DVec3 {
-        if alpha > 0.0 {
-            facet_normal(point.normal, alpha, self.stream.next_2d())
-        } else {
-            point.normal
+    pub(super) fn facet(&mut self, point: &Point, alpha: f64) -> DVec3 {
+        if !(alpha > 0.0) {
+            return point.normal;
         }
-    }
-
-    /// Reflection and refraction by Fresnel at one interface.
-    fn dielectric(
-        &mut self,
-        point: &Point,
-        medium: &Medium,
-        tint_reflected: Spectrum,
-        tint_through: Spectrum,
-        alpha: f64,
-        state: &State,
-    ) -> Spectrum {
-        let scene = self.scene;
-        let solid = scene.world.shape(point.hit.id.object).is_some_and(|s| s.is_solid());
-        // Light of its own (highlights) and tints show on the outside only; a pane has no other side.
-        let outer_side = point.outside || !solid;
-        let mut value = if outer_side { self.own(point) } else { Spectrum::ZERO };
-        let here = self.media.ior(state.inside);
-        let (from, to, inside) = if !solid {
-            // A pane without thickness: it mirrors, and what goes through goes straight on.
-            (here, here * medium.ior, state.inside)
-        } else if point.outside {
-            (here, medium.ior, self.media.enter(state.inside, *medium))
-        } else {
-            // An object that the ray never entered (the camera is inside of it) is left all the same.
-            let known = self.media.contains(state.inside, &medium.object);
-            let outer = self.media.leave(state.inside, &medium.object);
-            (if known { here } else { medium.ior }, self.media.ior(outer), outer)
-        };
-        let eta = from / to;
-        let d = point.ray.direction;
-        let facet = self.facet(point, alpha);
-        let through = if solid { refract(d, facet, eta) } else { Some(d) };
-        let reflected = if through.is_none() { 1.0 } else { fresnel(-d.dot(facet), eta) };
-        self.recorder.note("fresnel", || {
-            json!({"ior_from": from, "ior_to": to, "reflected": reflected, "total_internal_reflection": through.is_none()})
-        });
-        if reflected > 0.0 {
-            let direction = above(point, mirror(d, facet));
-            let tint = if outer_side { tint_reflected } else { Spectrum::ONE };
-            value += self.follow(
-                RayKind::Reflected,
-                point.spawn(direction),
-                tint * reflected,
-                state,
-                state.inside,
-            );
-        }
-        if let Some(direction) = through.filter(|t| t.dot(point.geometric()) < 0.0) {
-            let tint = if outer_side { tint_through } else { Spectrum::ONE };
-            let weight = tint * (1.0 - reflected);
-            value +=
-                self.follow(RayKind::Transmitted, point.spawn(direction), weight, state, inside);
-        }
-        value
+        let facet = facet_normal(point.normal, alpha, self.stream.next_2d());
+        // A facet that is not seen from here: its mirror image is, and leans as far.
+        let away = facet.dot(point.ray.direction).max(0.0);
+        facet - point.ray.direction * (2.0 * away)
     }
 }
 
@@ -341,22 +247,5 @@ fn record(scene: &Scene, point: &Point, state: &State, medium: Option<&Medium>) 
         source: scene.object_source(point.hit.id),
         t: point.hit.t,
         detail,
-    }
-}
-
-/// Whether two hits of one ray are the same point within their error bounds.
-pub(super) fn coincide(ray: &Ray, a: (&Hit, &Shading), b: (&Hit, &Shading)) -> bool {
-    let (sa, sb) = (&a.1.surface, &b.1.surface);
-    let apart = (b.0.t - a.0.t).abs() * ray.direction.dot(sb.normal).abs();
-    apart <= sa.error + sb.error + ray.error
-}
-
-/// A reflected direction that stays on its side of the true surface: normals that were bent (by bumps,
-/// by vertex normals, by roughness) may send it below.
-fn above(point: &Point, direction: DVec3) -> DVec3 {
-    if direction.dot(point.geometric()) > 0.0 {
-        direction
-    } else {
-        mirror(point.ray.direction, point.geometric())
     }
 }

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Glass: reflection and refraction by Fresnel at one interface, with the media that the ray is in.
+
+use dioptric_math::Spectrum;
+use serde_json::json;
+
+use super::media::{Inside, Medium};
+use super::optics::fresnel;
+use super::point::Point;
+use super::recorder::{RayKind, Recorder};
+use super::whitted::{State, Whitted};
+
+/// What tints and spreads the two rays.
+#[derive(Clone, Copy)]
+pub(super) struct Dielectric {
+    pub reflect: Spectrum,
+    pub transmit: Spectrum,
+    pub roughness: f64,
+}
+
+/// The two sides of an interface: indices of refraction and what is around the rays there.
+struct Sides {
+    ior: [f64; 2],
+    near: Inside,
+    far: Inside,
+}
+
+impl<'a, R: Recorder> Whitted<'a, R> {
+    /// The value of a dielectric's surface.
+    pub(super) fn dielectric(
+        &mut self,
+        point: &Point,
+        medium: &Medium,
+        how: Dielectric,
+        state: &State,
+    ) -> Spectrum {
+        let solid = point.is_solid(self.scene);
+        // Light of its own (highlights) and tints are met on the outside; a pane has two outsides.
+        let outside = point.outside || !solid;
+        let mut value = if outside { self.own(point) } else { Spectrum::ZERO };
+        let sides = self.sides(point, medium, state.inside, solid);
+        let eta = sides.ior[0] / sides.ior[1];
+        let d = point.ray.direction;
+        let facet = self.facet(point, how.roughness);
+        let through = if solid { point.refracted(facet, eta) } else { Some(d) };
+        let mut reflected = if through.is_none() { 1.0 } else { fresnel(-d.dot(facet), eta) };
+        if !solid {
+            // To and fro between the two faces of a thin pane: r + (1-r)^2 r + (1-r)^2 r^3 + ...
+            // (Born and Wolf, "Principles of Optics", 7th ed., section 7.6.1, without interference.)
+            reflected = 2.0 * reflected / (1.0 + reflected);
+        }
+        self.recorder.note("fresnel", || {
+            json!({
+                "ior_from": sides.ior[0],
+                "ior_to": sides.ior[1],
+                "reflected": reflected,
+                "total_internal_reflection": through.is_none(),
+            })
+        });
+        let (tint_back, tint_on) =
+            if outside { (how.reflect, how.transmit) } else { (Spectrum::ONE, Spectrum::ONE) };
+        if reflected > 0.0 {
+            let leg = point.back(point.mirrored(facet));
+            value += self.follow(RayKind::Reflected, leg, tint_back * reflected, state, sides.near);
+        }
+        if let Some(direction) = through {
+            let weight = tint_on * (1.0 - reflected);
+            value +=
+                self.follow(RayKind::Transmitted, point.on(direction), weight, state, sides.far);
+        }
+        value
+    }
+
+    fn sides(&mut self, point: &Point, medium: &Medium, inside: Inside, solid: bool) -> Sides {
+        let object = &medium.object;
+        if !solid {
+            // A pane without thickness: it mirrors, and what goes through goes straight on.
+            return Sides { ior: [self.media.ior(inside), medium.ior], near: inside, far: inside };
+        }
+        let outer = self.media.leave(inside, object);
+        if point.outside {
+            let far = self.media.enter(outer, *medium);
+            return Sides { ior: [self.media.ior(outer), medium.ior], near: outer, far };
+        }
+        // An object that the ray is not known to have entered is left all the same.
+        let near = if self.media.contains(inside, object) {
+            inside
+        } else {
+            self.media.enter(inside, *medium)
+        };
+        Sides { ior: [self.media.ior(near), self.media.ior(outer)], near, far: outer }
+    }
+}

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! A point being shaded, and the rays that leave it.
+
+use dioptric_geometry::world::{Hit, Surface};
+use dioptric_geometry::{Contacts, Departure, HitId, Ray};
+use dioptric_math::DVec3;
+use dioptric_math::bounds::gamma;
+
+use super::optics::{facing, reflect, refract};
+use crate::material::Finish;
+use crate::scene::{Scene, Shading};
+
+/// A ray that leaves a surface.
+#[derive(Clone, Copy)]
+pub(super) struct Leg {
+    pub ray: Ray,
+    pub departure: Departure,
+    /// What becomes of other surfaces at the same place.
+    pub contacts: Contacts,
+}
+
+/// A point being shaded, with the incoming ray.
+pub(super) struct Point<'a> {
+    pub ray: Ray,
+    pub hit: Hit,
+    pub shading: Shading<'a>,
+    pub finish: Finish,
+    /// The shading normal, facing the incoming ray, on the side of [`Self::geometric`].
+    pub normal: DVec3,
+    /// Whether the ray comes from the side of the geometric normal: from outside of a solid.
+    pub outside: bool,
+    /// The object that the incoming ray crossed last, if that was at this very place.
+    pub arrived: Option<HitId>,
+}
+
+impl<'a> Point<'a> {
+    /// The point where a ray that left `departure` hit something.
+    pub fn new(ray: &Ray, hit: Hit, shading: Shading<'a>, departure: Option<&Departure>) -> Self {
+        let s = &shading.surface;
+        let outside = ray.direction.dot(s.normal) <= 0.0;
+        let arrived = departure.filter(|_| touches(ray, &hit, s)).map(|d| d.from);
+        Self {
+            ray: *ray,
+            hit,
+            finish: shading.material.finish(&shading.point),
+            normal: facing(ray.direction, s.normal, s.shading_normal),
+            outside,
+            arrived,
+            shading,
+        }
+    }
+
+    /// Whether the object has an inside.
+    pub fn is_solid(&self, scene: &Scene) -> bool {
+        scene.world.shape(self.hit.id.object).is_some_and(|s| s.is_solid())
+    }
+
+    /// A ray that goes back to the side from which the incoming one came.
+    pub fn back(&self, direction: DVec3) -> Leg {
+        self.spawn(direction, false)
+    }
+
+    /// A ray that goes on through the surface.
+    pub fn on(&self, direction: DVec3) -> Leg {
+        self.spawn(direction, true)
+    }
+
+    fn spawn(&self, direction: DVec3, crossed: bool) -> Leg {
+        let contacts = Contacts { crossed, except: self.arrived };
+        Leg { contacts, ..leave(&self.ray, self.hit.id, &self.shading.surface, direction) }
+    }
+
+    /// The geometric normal, facing the incoming ray.
+    pub fn geometric(&self) -> DVec3 {
+        if self.outside { self.shading.surface.normal } else { -self.shading.surface.normal }
+    }
+
+    /// The incoming direction mirrored at a facet, on this side of the true surface.
+    pub fn mirrored(&self, facet: DVec3) -> DVec3 {
+        mirrored(self.ray.direction, facet, self.geometric())
+    }
+
+    /// The incoming direction refracted at a facet, on the other side of the true surface; `None` where
+    /// all is reflected.
+    pub fn refracted(&self, facet: DVec3, eta: f64) -> Option<DVec3> {
+        refracted(self.ray.direction, facet, self.geometric(), eta)
+    }
+}
+
+/// A ray that leaves a surface and crosses all that touches it.
+pub(super) fn leave(incoming: &Ray, from: HitId, s: &Surface, direction: DVec3) -> Leg {
+    Leg {
+        ray: Ray { origin: s.point, direction, time: incoming.time, error: s.error },
+        departure: Departure { from, outward: direction.dot(s.normal) > 0.0 },
+        contacts: Contacts::CROSSED,
+    }
+}
+
+/// Mirrored at `n`; at the true normal where `n`, bent by bumps, by vertex normals or by roughness, would
+/// send it below the surface.
+pub(super) fn mirrored(direction: DVec3, n: DVec3, geometric: DVec3) -> DVec3 {
+    let r = reflect(direction, n);
+    if r.dot(geometric) > 0.0 { r } else { reflect(direction, geometric) }
+}
+
+/// Refracted at `n`; at the true normal where `n` would leave it above the surface.
+pub(super) fn refracted(direction: DVec3, n: DVec3, geometric: DVec3, eta: f64) -> Option<DVec3> {
+    let below = |t: &DVec3| t.dot(geometric) < 0.0;
+    let t = refract(direction, n, eta)?;
+    if below(&t) { Some(t) } else { refract(direction, geometric, eta).filter(below) }
+}
+
+/// Whether a hit is where its ray begins, within the error bounds.
+pub(super) fn touches(ray: &Ray, hit: &Hit, s: &Surface) -> bool {
+    hit.t * ray.direction.dot(s.normal).abs() <= s.error + ray.error
+}
+
+/// Whether two hits of one ray are the same point within their error bounds, the rounding of `t` included.
+pub(super) fn coincide(ray: &Ray, a: (&Hit, &Shading), b: (&Hit, &Shading)) -> bool {
+    let (sa, sb) = (&a.1.surface, &b.1.surface);
+    let apart = (b.0.t - a.0.t).abs() * ray.direction.dot(sb.normal).abs();
+    let rounding = gamma(16) * (a.0.t.max(b.0.t) + ray.origin.abs().max_element());
+    apart <= sa.error + sb.error + ray.error + rounding
+}

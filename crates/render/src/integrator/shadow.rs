@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What lies between a point and a light, and how much of the light each thing lets pass.
+
+use dioptric_geometry::world::Hit;
+use dioptric_math::Spectrum;
+
+use super::media::absorbed;
+use super::point::{Leg, touches};
+use crate::material::{Finish, Optics};
+use crate::scene::Scene;
+
+impl Scene {
+    /// Calls `each` with every passage through a surface before `distance`, nearest first, and the share
+    /// of light that passes there, until it returns false. The product of all shares is the light's
+    /// visibility where shadows are tinted.
+    ///
+    /// A solid counts once, where the ray enters it, or leaves it if it starts inside; where it leaves, with
+    /// the absorption of the way through. An open surface counts each time.
+    pub(super) fn passages(
+        &self,
+        leg: &Leg,
+        distance: f64,
+        mut each: impl FnMut(&Hit, Spectrum) -> bool,
+    ) {
+        let mut hits = Vec::new();
+        self.world.hits(&leg.ray, distance, Some(&leg.departure), &mut hits);
+        let ray = &leg.ray;
+        for (i, hit) in hits.iter().enumerate().filter(|(_, h)| h.t < distance) {
+            let Some(shading) = self.shading(ray, hit) else { continue };
+            let own = hit.id.same_object(&leg.departure.from);
+            if !own && !leg.contacts.crosses(&hit.id) && touches(ray, hit, &shading.surface) {
+                continue;
+            }
+            let finish = shading.material.finish(&shading.point);
+            let solid = self.world.shape(hit.id.object).is_some_and(|s| s.is_solid());
+            let enters = shading.surface.normal.dot(ray.direction) < 0.0;
+            let passed = if !solid || enters {
+                finish.shadow_pass
+            } else {
+                let entry = hits[..i].iter().rev().find(|h| h.id.same_object(&hit.id));
+                // The way out costs nothing more, unless it is through another part, which is opaque.
+                let counted = entry.is_some() && finish.shadow_pass != Spectrum::ZERO;
+                let surface = if counted { Spectrum::ONE } else { finish.shadow_pass };
+                surface * self.absorbed_inside(&finish, hit.t - entry.map_or(0.0, |h| h.t))
+            };
+            if !each(hit, passed) {
+                return;
+            }
+        }
+    }
+
+    /// What a way inside of an object leaves of light, `t` in the space of rays.
+    fn absorbed_inside(&self, finish: &Finish, t: f64) -> Spectrum {
+        match finish.optics {
+            Optics::Shares { absorption, .. } | Optics::Dielectric { absorption, .. } => {
+                absorbed(absorption, t / self.root.scale())
+            }
+            Optics::Opaque | Optics::Mirror { .. } => Spectrum::ONE,
+        }
+    }
+}
