@@ -8,7 +8,7 @@
 # DATA is the folder with balls.nff, balls.pov, ... ; OUT keeps the pictures (without it they are thrown away).
 # DIOPTRIC names the program, SIZE the side of the pictures in pixels, THREADS their number for both programs.
 #
-# The .pov files say three things that their .nff twins cannot say or that Dioptric means otherwise (see
+# The .pov files say some things that their .nff twins cannot say or that Dioptric means otherwise (see
 # docs/manual/src/nff.md). Therefore each scene is rendered by POV-Ray twice: as it was published, and with these
 # taken away by `level`.
 set -eu
@@ -36,10 +36,17 @@ else
 fi
 
 # The .pov without what the .nff does not have: ambient light of the floor of balls, highlights of another strength
-# than the mirror, and the bending of rays by the polygons of gears.
+# than the mirror, the bending of rays by the polygons of gears, and a camera whose vectors are rounded to six digits.
 level() {
-    sed -e 's/ambient 0\.2/ambient 0/' -e 's/refraction 1\.0 ior 1\.1//' \
-        -e '/phong /{N;s/phong [0-9.]*\(  phong_size [0-9.]*\n *reflection \)\([0-9.]*\)/phong \2\1\2/;}' "$1"
+    view=$(awk '$1 == "from" || $1 == "at" || $1 == "up" { v[$1] = "<" $2 "," $3 "," $4 ">" } $1 == "angle" { a = $2 }
+        END { away = "vnormalize(" v["at"] "-" v["from"] ")"
+              right = "vnormalize(vcross(" away "," v["up"] "))"
+              width = "2*tan(radians(" a "/2))"
+              print "camera { location " v["from"] " direction " away " right " width "*" right \
+                  " up " width "*vcross(" right "," away ") }" }' "$1.nff")
+    echo "$view"
+    sed -e '/^camera {/,/^}/d' -e 's/ambient 0\.2/ambient 0/' -e 's/refraction 1\.0 ior 1\.1//' \
+        -e '/phong /{N;s/phong [0-9.]*\(  phong_size [0-9.]*\n *reflection \)\([0-9.]*\)/phong \2\1\2/;}' "$1.pov"
 }
 
 # POV-Ray's picture, as computed: files that name no gamma get none, and 16 bits keep the numbers.
@@ -68,7 +75,7 @@ echo "|---|---|---|---|---|---|---|---|---|---|---|"
 for scene in balls gears rings teapot tree; do
     here=$out/$scene
     mkdir -p "$here"
-    level "$data/$scene.pov" > "$here/level.pov"
+    level "$data/$scene" > "$here/level.pov"
     pov "$data/$scene.pov" "$here/POV-Ray.png" "$here/pov.log"
     pov "$here/level.pov" "$here/level.png" "$here/level.log"
     "$dioptric" render "$data/$scene.nff" --size "${size}x$size" --antialias none --bits 16 --threads "$threads" \
