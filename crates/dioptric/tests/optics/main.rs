@@ -7,6 +7,7 @@
 mod glass;
 mod invariance;
 mod mirror;
+mod parts;
 mod shadow;
 #[path = "../support/mod.rs"]
 mod support;

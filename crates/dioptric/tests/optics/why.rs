@@ -167,3 +167,64 @@ fn a_ray_tells_all_about_itself() {
     assert_eq!(json["children"][0]["ray"]["kind"], "reflected");
     assert_eq!(json["children"][0]["weight"], serde_json::json!([0.5, 0.5, 0.5]));
 }
+
+/// Every key that the program writes stands on the manual's page, and the numbers of its example are the
+/// program's.
+#[test]
+fn the_manual_names_every_key_and_tells_the_truth() {
+    let path = crate::support::root().join("docs/manual/src/why-json.md");
+    let page = std::fs::read_to_string(path).expect("the page is there");
+    let clear = "version(1)\nrender(size = (2, 1), antialias = \"none\", bounces = 1)\n\
+                 camera(eye = (0, 0, 5), look_at = (0, 0, 0), fov = 20)\nbackground(1)\n\
+                 box(min = (-1, -1, -1), max = (0, 1, 1), material = clear(own = 0, ior = 0.5))\n\
+                 box(min = (0.3, -2, -1), max = (2, 2, 1), material = clear(ior = 1.3), transform = rotate(y = 40))\n\
+                 sphere(center = (-9, 0, 0), radius = 9, material = glow(0.1))";
+    let mut keys = std::collections::BTreeSet::new();
+    for text in [EVERYTHING, clear] {
+        let scene = scene(text);
+        let [width, height] = scene.settings.size;
+        for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+            collect_keys(&serde_json::to_value(pixel(&scene, x, y)).unwrap(), &mut keys);
+        }
+    }
+    assert!(keys.len() > 50, "{keys:?}");
+    for key in &keys {
+        let named = page.contains(&format!("`{key}`")) || page.contains(&format!("`{{{key}, "));
+        assert!(named || page.contains(&format!(", {key}}}`")), "{key} is not documented");
+    }
+    let (_, example) = page.split_once("```python\n").expect("an example");
+    let example = scene(example.split_once("```").expect("its end").0);
+    let told = serde_json::to_value(pixel(&example, 1, 0)).unwrap();
+    let mut numbers = std::collections::BTreeSet::new();
+    collect_numbers(&told, &mut numbers);
+    let (_, shown) = page.split_once("```text\n").expect("its answer");
+    let shown = shown.split_once("```").expect("its end").0;
+    let long = shown.split(|c: char| !(c.is_ascii_digit() || "-.e".contains(c)));
+    let long: Vec<&str> = long
+        .filter(|n| n.len() > 8 && n.starts_with(|c: char| c.is_ascii_digit() || c == '-'))
+        .collect();
+    assert!(long.len() > 30, "{long:?}");
+    for number in long {
+        assert!(numbers.contains(number), "the program does not say {number}: {numbers:?}");
+    }
+}
+
+fn collect_keys(value: &Value, keys: &mut std::collections::BTreeSet<String>) {
+    match value {
+        Value::Array(items) => items.iter().for_each(|v| collect_keys(v, keys)),
+        Value::Object(map) => map.iter().for_each(|(key, v)| {
+            keys.insert(key.clone());
+            collect_keys(v, keys);
+        }),
+        _ => {}
+    }
+}
+
+fn collect_numbers(value: &Value, numbers: &mut std::collections::BTreeSet<String>) {
+    match value {
+        Value::Number(n) => drop(numbers.insert(n.to_string())),
+        Value::Array(items) => items.iter().for_each(|v| collect_numbers(v, numbers)),
+        Value::Object(map) => map.values().for_each(|v| collect_numbers(v, numbers)),
+        _ => {}
+    }
+}

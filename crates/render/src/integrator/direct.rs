@@ -22,6 +22,8 @@ struct Lit {
     diffuse_unshadowed: Spectrum,
     highlight_unshadowed: Spectrum,
     cosine: f64,
+    /// Samples that are not behind the surface.
+    in_front: u32,
     visibility: Spectrum,
     /// For a recorder only.
     blockers: Vec<Blocker>,
@@ -75,7 +77,7 @@ impl<'a, R: Recorder> Whitted<'a, R> {
             }
         }
         if R::ENABLED {
-            self.tell(placed, n, &mut lit);
+            self.tell(point, placed, n, &mut lit);
         }
         lit.diffuse + lit.highlight
     }
@@ -96,6 +98,7 @@ impl<'a, R: Recorder> Whitted<'a, R> {
         if !(cosine > 0.0 && point.geometric().dot(light.direction) > 0.0) {
             return;
         }
+        lit.in_front += 1;
         let arriving = light.arriving * share;
         let diffuse = point.finish.diffuse * arriving * cosine;
         let highlight = match &point.finish.highlight {
@@ -177,7 +180,7 @@ impl<'a, R: Recorder> Whitted<'a, R> {
         }
     }
 
-    fn tell(&mut self, placed: &PlacedLight, samples: u32, lit: &mut Lit) {
+    fn tell(&mut self, point: &Point, placed: &PlacedLight, samples: u32, lit: &mut Lit) {
         lit.blockers.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.id.cmp(&b.id)));
         let scene = self.scene;
         let blocker = |b: &Blocker| {
@@ -198,13 +201,16 @@ impl<'a, R: Recorder> Whitted<'a, R> {
                 "visibility": lit.visibility.to_array(),
                 "cosine": lit.cosine,
                 "samples": samples,
-                "behind": lit.cosine <= 0.0,
+                "behind": lit.in_front == 0,
                 "blockers": blockers,
                 "light_source": source,
             })
         };
-        self.recorder
-            .term("diffuse", lit.diffuse, || (Some(label.clone()), detail(lit.diffuse_unshadowed)));
+        if point.finish.diffuse != Spectrum::ZERO {
+            self.recorder.term("diffuse", lit.diffuse, || {
+                (Some(label.clone()), detail(lit.diffuse_unshadowed))
+            });
+        }
         if lit.highlight_unshadowed != Spectrum::ZERO {
             self.recorder.term("highlight", lit.highlight, || {
                 (Some(label), detail(lit.highlight_unshadowed))
@@ -212,6 +218,9 @@ impl<'a, R: Recorder> Whitted<'a, R> {
         }
     }
 }
+
+/// A highlight that is a smaller share of its light is none: nobody could see what its shadow ray costs.
+const FAINTEST: f64 = 1e-9;
 
 /// How strong a highlight is for a normal, the direction to the light and the one to the viewer.
 fn strength(highlight: &Highlight, normal: DVec3, to_light: DVec3, to_viewer: DVec3) -> f64 {
@@ -226,5 +235,7 @@ fn strength(highlight: &Highlight, normal: DVec3, to_light: DVec3, to_viewer: DV
     };
     let (base, n) = (base.clamp(0.0, 1.0), highlight.exponent);
     // Most exponents are small whole numbers: squaring is much faster than the general power.
-    if n.trunc() == n && (0.0..=4096.0).contains(&n) { powi(base, n as u32) } else { pow(base, n) }
+    let whole = n.trunc() == n && (0.0..=4096.0).contains(&n);
+    let strength = if whole { powi(base, n as u32) } else { pow(base, n) };
+    if strength < FAINTEST { 0.0 } else { strength }
 }

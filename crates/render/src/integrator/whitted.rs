@@ -240,7 +240,9 @@ fn record(scene: &Scene, point: &Point, state: &State, medium: Option<&Medium>) 
     put("pattern", json!(point.finish.base.to_array()));
     put("bounce", json!(state.depth));
     if let Some(medium) = medium {
-        put("medium", json!({"object": scene.object_label(medium.object), "ior": medium.ior}));
+        let object = scene.object_label(medium.object);
+        let absorption = medium.absorption.to_array();
+        put("medium", json!({"object": object, "ior": medium.ior, "absorption": absorption}));
     }
     HitRecord {
         object: scene.object_label(point.hit.id),
