@@ -180,6 +180,9 @@ impl RenderArgs {
                 "write -o FILE.png, or .exr for floats",
             ));
         }
+        if let Some(map) = self.sample_map.as_deref().filter(|name| *name != "-") {
+            FileFormat::from_path(Path::new(map)).map_err(|e| Failure::usage(e.message, e.help))?;
+        }
         Ok(format)
     }
 

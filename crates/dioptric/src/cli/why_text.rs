@@ -216,7 +216,7 @@ fn facts(node: &Value) -> Vec<String> {
     keys.sort_by_key(|key| ORDER.iter().position(|k| k == key).unwrap_or(ORDER.len()));
     let repeats =
         |key: &str| SAME_AS.iter().any(|(k, other)| *k == key && map.get(*other) == map.get(key));
-    let mut line = String::new();
+    let (mut line, mut stories) = (String::new(), Vec::new());
     for key in keys {
         let v = &map[key];
         if SHOWN.contains(&key)
@@ -224,6 +224,10 @@ fn facts(node: &Value) -> Vec<String> {
             || *v == Value::Bool(true) && key == "from_outside"
             || repeats(key)
         {
+            continue;
+        }
+        if let Some(map) = v.as_object().filter(|map| map.values().any(is_list_of_objects)) {
+            stories.extend(told_in_lines(key, map));
             continue;
         }
         let fact = format!("{} {}", key.replace('_', " "), value(v));
@@ -234,6 +238,29 @@ fn facts(node: &Value) -> Vec<String> {
         line.push_str(&fact);
     }
     lines.extend(Some(line).filter(|l| !l.is_empty()));
+    lines.extend(stories);
+    lines
+}
+
+fn is_list_of_objects(value: &Value) -> bool {
+    value.as_array().is_some_and(|items| items.first().is_some_and(Value::is_object))
+}
+
+/// A fact that is a story: what holds for all of it, then each event on a line of its own.
+fn told_in_lines(key: &str, map: &Map<String, Value>) -> Vec<String> {
+    let whole: Map<String, Value> = map
+        .iter()
+        .filter(|(_, v)| !is_list_of_objects(v))
+        .map(|(k, v)| (k.clone(), v.clone()))
+        .collect();
+    let mut lines = vec![format!("{} {}", key.replace('_', " "), object(&whole))];
+    for event in map
+        .values()
+        .filter(|v| is_list_of_objects(v))
+        .flat_map(|v| v.as_array().into_iter().flatten())
+    {
+        lines.push(format!("  {}", value(event)));
+    }
     lines
 }
 
@@ -241,13 +268,19 @@ fn facts(node: &Value) -> Vec<String> {
 fn term_details(term: &Value) -> Vec<String> {
     let Some(map) = term.as_object() else { return Vec::new() };
     let mut lines = Vec::new();
-    let skip = ["name", "light", "value", "blockers", "light_source"];
-    let told = |(key, v): &(&String, &Value)| {
-        !skip.contains(&key.as_str()) && !v.is_null() && **v != Value::Bool(false)
+    // A light that nothing weakens needs no more words than its cosine.
+    let lit =
+        term["visibility"].as_array().is_some_and(|v| v.iter().all(|v| v.as_f64() == Some(1.0)));
+    let skip = |key: &str, v: &Value| {
+        ["name", "light", "value", "blockers", "light_source"].contains(&key)
+            || (lit && ["visibility", "unshadowed"].contains(&key))
+            || (key == "samples" && v.as_u64() == Some(1))
+            || v.is_null()
+            || *v == Value::Bool(false)
     };
     let parts: Vec<String> = map
         .iter()
-        .filter(told)
+        .filter(|(key, v)| !skip(key, v))
         .map(|(key, v)| format!("{} {}", key.replace('_', " "), value(v)))
         .collect();
     if !parts.is_empty() {

@@ -23,6 +23,7 @@ fn wrong_usage_is_status_2_with_the_remedy() {
         (&["render", "a.star", "--set", "fog"], "write NAME=VALUE"),
         (&["render", "a.star", "-o", "a.gif"], "unknown picture format \"gif\""),
         (&["render", "a.star", "-o", "picture"], "has no extension"),
+        (&["render", "a.star", "--sample-map", "m.gif"], "unknown picture format \"gif\""),
         (&["render", "a.star", "-o", "a.png", "--layers"], "only .exr files have layers"),
         (&["render", "a.star", "-o", "a.exr", "--grid"], "drawn over a developed picture"),
         (&["compare", "a.png", "b.png", "--tolerance=-1"], "a number of at least 0"),
