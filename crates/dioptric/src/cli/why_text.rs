@@ -153,6 +153,9 @@ impl Text<'_> {
             let kind = ray["kind"].as_str().unwrap_or("ray");
             let sum = [0, 1, 2].map(|i| weight[i] * value[i]);
             self.row(&inner, '+', &format!("{} x {kind} ray", weights(weight)), sum);
+            if let Some(told) = scalings(child) {
+                self.line(&format!("{inner}    "), &told);
+            }
             if depth < self.style.depth {
                 self.node(ray, &inner, depth + 1);
             } else {
@@ -272,7 +275,7 @@ fn term_details(term: &Value) -> Vec<String> {
     let lit =
         term["visibility"].as_array().is_some_and(|v| v.iter().all(|v| v.as_f64() == Some(1.0)));
     let skip = |key: &str, v: &Value| {
-        ["name", "light", "value", "blockers", "light_source"].contains(&key)
+        ["name", "light", "value", "blockers", "light_source", "scaled_by"].contains(&key)
             || (lit && ["visibility", "unshadowed"].contains(&key))
             || (key == "samples" && v.as_u64() == Some(1))
             || v.is_null()
@@ -286,6 +289,7 @@ fn term_details(term: &Value) -> Vec<String> {
     if !parts.is_empty() {
         lines.push(parts.join(", "));
     }
+    lines.extend(scalings(term));
     for blocker in list(term, "blockers") {
         let object = blocker["object"].as_str().unwrap_or("something");
         let place = source(&blocker["source"]);
@@ -298,6 +302,17 @@ fn term_details(term: &Value) -> Vec<String> {
         lines.push(format!("blocked by {object}{place} at t {}{passes}", number(&blocker["t"])));
     }
     lines
+}
+
+/// The factors that are in a term's value or a child's weight already.
+fn scalings(told: &Value) -> Option<String> {
+    let factors: Vec<String> = list(told, "scaled_by")
+        .iter()
+        .map(|f| {
+            format!("x {} for {}", weights(rgb(&f["factor"])), f["by"].as_str().unwrap_or("?"))
+        })
+        .collect();
+    (!factors.is_empty()).then(|| format!("counted already: {}", factors.join(", ")))
 }
 
 /// How many rays a tree has.
@@ -375,7 +390,8 @@ mod tests {
             "kind": "camera", "object": "ball", "source": {"file": "a.star", "line": 7}, "t": 2.5,
             "origin": [0, 0, 5], "direction": [0, 0, -1], "uv": [0.5, 0.25],
             "terms": [
-                {"name": "ambient", "value": [0.1, 0.1, 0.1]},
+                {"name": "ambient", "value": [0.1, 0.1, 0.1],
+                 "scaled_by": [{"by": "fog", "factor": [0.5, 0.5, 0.5]}]},
                 {"name": "diffuse", "light": "sun", "value": [0, 0, 0], "cosine": 0.75, "behind": false,
                  "blockers": [{"object": "wall\u{1b}", "source": {"file": "a.star", "line": 9}, "t": 3.0, "passes": [0.0, 0.0, 0.0]}]},
             ],
@@ -396,6 +412,7 @@ camera ray hits ball (a.star:7) at t 2.5
 │ from (0, 0, 5) along (0, 0, -1)
 │ uv (0.5, 0.25)
 │ + ambient                                   0.100000   0.100000   0.100000
+│     counted already: x 0.5 for fog
 │ + diffuse of sun                            0.000000   0.000000   0.000000
 │     cosine 0.75
 │     blocked by wall\u{fffd} (a.star:9) at t 3
