@@ -60,20 +60,29 @@ pub fn schlick(normal: DVec3, grazing: DVec3, cos_i: f64) -> DVec3 {
     normal + (grazing - normal) * (m * m * m * m * m)
 }
 
-/// A normal of the facets that make a surface rough, for two uniform numbers: the GGX distribution
-/// with width `alpha` around `n` (Walter et al., "Microfacet Models for Refraction through Rough
-/// Surfaces", EGSR 2007, equations 35 and 36).
+/// A normal of the facets that make a surface rough, for two uniform numbers: one of those that a
+/// direction meets, of the GGX distribution with width `alpha` around `n`, which faces it (Heitz,
+/// "Sampling the GGX Distribution of Visible Normals", JCGT 7(4), 2018, listing 3).
 #[must_use]
-pub fn facet_normal(n: DVec3, alpha: f64, u: [f64; 2]) -> DVec3 {
+pub fn facet_normal(n: DVec3, direction: DVec3, alpha: f64, u: [f64; 2]) -> DVec3 {
     if alpha <= 0.0 {
         return n;
     }
-    let tan2 = alpha * alpha * u[0] / (1.0 - u[0]);
-    let cos = 1.0 / (1.0 + tan2).sqrt();
-    let sin = (1.0 - cos * cos).max(0.0).sqrt();
-    let (s, c) = dioptric_math::sin_cos(2.0 * std::f64::consts::PI * u[1]);
     let (t, b) = dioptric_math::orthonormal_basis(n);
-    normalize(t * (sin * c) + b * (sin * s) + n * cos).unwrap_or(n)
+    let to_eye = DVec3::new(-direction.dot(t), -direction.dot(b), (-direction.dot(n)).max(0.0));
+    // Stretched by 1 / alpha the facets are those of a hemisphere, whose visible part is projected to a
+    // half disc and a half ellipse.
+    let stretch = DVec3::new(alpha, alpha, 1.0);
+    let v = normalize(to_eye * stretch).unwrap_or(DVec3::Z);
+    let across = normalize(DVec3::Z.cross(v)).unwrap_or(DVec3::X);
+    let along = v.cross(across);
+    let (sin, cos) = dioptric_math::sin_cos(2.0 * std::f64::consts::PI * u[1]);
+    let (x, y) = (u[0].sqrt() * cos, u[0].sqrt() * sin);
+    let share = 0.5 * (1.0 + v.z);
+    let y = (1.0 - share) * (1.0 - x * x).max(0.0).sqrt() + share * y;
+    let m = across * x + along * y + v * (1.0 - x * x - y * y).max(0.0).sqrt();
+    let m = DVec3::new(m.x, m.y, m.z.max(0.0)) * stretch;
+    normalize(t * m.x + b * m.y + n * m.z).unwrap_or(n)
 }
 
 #[cfg(test)]
@@ -111,11 +120,12 @@ mod tests {
 
     #[test]
     fn facets_follow_the_distribution() {
-        // Mean of cos^2 under D cos: compare with the quadrature of Walter's equation 33.
+        // Seen straight on: the mean of cos^2 under D cos. Compare with the quadrature of Walter's equation 33.
         let (alpha, n) = (0.4, 100_000);
         let mean: f64 = (0..n)
             .map(|i| {
-                let m = facet_normal(DVec3::Z, alpha, [(f64::from(i) + 0.5) / f64::from(n), 0.3]);
+                let u = [(f64::from(i) + 0.5) / f64::from(n), 0.3];
+                let m = facet_normal(DVec3::Z, DVec3::NEG_Z, alpha, u);
                 m.z * m.z
             })
             .sum::<f64>()
@@ -127,5 +137,30 @@ mod tests {
             quadrature += c2 * alpha * alpha / (k * k) / f64::from(steps);
         }
         assert!((mean - quadrature).abs() < 1e-4, "{mean} {quadrature}");
+    }
+
+    #[test]
+    fn facets_are_those_that_are_seen() {
+        // The visible ones are in proportion to D max(0, v.m), whose integral is v.n / G1 (Heitz, equations 2
+        // and 3): the mean of cos over them is that of max(0, v.m) under D cos, times G1 / v.n.
+        for (alpha, degrees) in [(0.1, 80.0_f64), (0.5, 60.0), (1.0, 85.0)] {
+            let (s, c) = dioptric_math::sin_cos(degrees.to_radians());
+            let v = DVec3::new(s, 0.0, c);
+            let n = 400;
+            let at = |i: u32| (f64::from(i) + 0.5) / f64::from(n);
+            let grid = || (0..n * n).map(|i| [at(i % n), at(i / n)]);
+            let mut mean = 0.0;
+            for u in grid() {
+                let m = facet_normal(DVec3::Z, -v, alpha, u);
+                assert!(m.dot(v) > -1e-12 && m.z >= 0.0 && (m.length() - 1.0).abs() < 1e-12);
+                mean += m.z / f64::from(n * n);
+            }
+            // D cos is sampled by a view straight on.
+            let all =
+                grid().map(|u| facet_normal(DVec3::Z, DVec3::NEG_Z, alpha, u).dot(v).max(0.0));
+            let g1 = 2.0 / (1.0 + (1.0 + alpha * alpha * s * s / (c * c)).sqrt());
+            let expected = all.sum::<f64>() / f64::from(n * n) * g1 / c;
+            assert!((mean / expected - 1.0).abs() < 1e-2, "{alpha} {degrees}: {mean} {expected}");
+        }
     }
 }

@@ -215,13 +215,11 @@ impl<'a, R: Recorder> Whitted<'a, R> {
 
     /// The normal of the facet that this sample meets: the surface's own where it is smooth.
     pub(super) fn facet(&mut self, point: &Point, alpha: f64) -> DVec3 {
-        if !(alpha > 0.0) {
-            return point.normal;
+        if alpha > 0.0 {
+            facet_normal(point.normal, point.ray.direction, alpha, self.stream.next_2d())
+        } else {
+            point.normal
         }
-        let facet = facet_normal(point.normal, alpha, self.stream.next_2d());
-        // A facet that is not seen from here: its mirror image is, and leans as far.
-        let away = facet.dot(point.ray.direction).max(0.0);
-        facet - point.ray.direction * (2.0 * away)
     }
 }
 
