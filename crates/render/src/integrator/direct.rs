@@ -127,27 +127,19 @@ impl<'a, R: Recorder> Whitted<'a, R> {
     fn visibility(&mut self, point: &Point, light: &LightSample) -> Spectrum {
         let leg = point.back(light.direction);
         let scene = self.scene;
-        let blocked = || {
-            let departure = Some(&leg.departure);
-            scene.world.occluded_past(&leg.ray, light.distance, departure, leg.contacts)
-        };
+        let departure = Some(&leg.departure);
         match scene.settings.shadows {
             Shadows::None => Spectrum::ONE,
             Shadows::Opaque => {
                 self.counts.shadow += 1;
-                if blocked() { Spectrum::ZERO } else { Spectrum::ONE }
+                let world = &scene.world;
+                let blocked =
+                    world.occluded_past(&leg.ray, light.distance, departure, leg.contacts);
+                if blocked { Spectrum::ZERO } else { Spectrum::ONE }
             }
             Shadows::Tinted => {
                 self.counts.shadow += 1;
-                let mut passed = Spectrum::ONE;
-                // Most rays meet nothing; only those that do pay for the list.
-                if blocked() {
-                    scene.passages(&leg, light.distance, |_, factor| {
-                        passed *= factor;
-                        passed != Spectrum::ZERO
-                    });
-                }
-                passed
+                scene.tinted(&leg, light.distance)
             }
         }
     }

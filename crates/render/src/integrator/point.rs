@@ -7,6 +7,7 @@ use dioptric_math::DVec3;
 use dioptric_math::bounds::gamma;
 
 use super::optics::{facing, reflect, refract};
+use crate::film::FirstHit;
 use crate::material::Finish;
 use crate::scene::{Scene, Shading};
 
@@ -53,6 +54,16 @@ impl<'a> Point<'a> {
     /// Whether the object has an inside.
     pub fn is_solid(&self, scene: &Scene) -> bool {
         scene.world.shape(self.hit.id.object).is_some_and(|s| s.is_solid())
+    }
+
+    /// What layers and adaptive sampling keep of a camera ray's hit.
+    pub fn first_hit(&self, scene: &Scene) -> FirstHit {
+        FirstHit {
+            object: scene.layer_id(self.hit.id),
+            depth: self.hit.t,
+            normal: self.normal,
+            albedo: self.finish.base,
+        }
     }
 
     /// A ray that goes back to the side from which the incoming one came.

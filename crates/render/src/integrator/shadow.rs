@@ -10,6 +10,25 @@ use crate::material::{Finish, Optics};
 use crate::scene::Scene;
 
 impl Scene {
+    /// What of a light passes through all that lies before `distance`.
+    pub(super) fn tinted(&self, leg: &Leg, distance: f64) -> Spectrum {
+        let nearest =
+            self.world.closest_past(&leg.ray, distance, Some(&leg.departure), leg.contacts);
+        let Some(hit) = nearest.filter(|h| h.t < distance) else { return Spectrum::ONE };
+        // Most things are opaque, and one of them is enough: only those that are not cost a list.
+        let opaque = self
+            .shading(&leg.ray, &hit)
+            .is_some_and(|s| s.material.finish(&s.point).shadow_pass == Spectrum::ZERO);
+        let mut passed = if opaque { Spectrum::ZERO } else { Spectrum::ONE };
+        if !opaque {
+            self.passages(leg, distance, |_, factor| {
+                passed *= factor;
+                passed != Spectrum::ZERO
+            });
+        }
+        passed
+    }
+
     /// Calls `each` with every passage through a surface before `distance`, nearest first, and the share
     /// of light that passes there, until it returns false. The product of all shares is the light's
     /// visibility where shadows are tinted.

@@ -4,16 +4,16 @@
 
 use dioptric_geometry::Ray;
 use dioptric_geometry::bvh::Count;
-use dioptric_geometry::world::Hit;
+use dioptric_math::Spectrum;
 use dioptric_math::random::{mix, unit};
-use dioptric_math::{DVec3, Spectrum, normalize};
 use serde_json::json;
 
-use super::recorder::{HitRecord, RayKind, Recorder};
-use super::whitted::Whitted;
+use super::point::Point;
+use super::recorder::{RayKind, Recorder};
+use super::whitted::{Whitted, record};
 use crate::film::{FirstHit, Radiance};
 use crate::sampling::stream::Stream;
-use crate::scene::{Scene, Shading};
+use crate::scene::Scene;
 use crate::setting::render::Integrator;
 use crate::stats::RayCounts;
 
@@ -38,24 +38,13 @@ pub fn radiance<R: Recorder>(
     recorder.begin(RayKind::Camera, ray);
     let mut visits = Count::default();
     let found = scene.world.closest_counted(ray, f64::INFINITY, None, &mut visits);
-    let found = found.and_then(|hit| Some((hit, scene.shading(ray, &hit)?)));
+    let found = found.and_then(|hit| Some(Point::new(ray, hit, scene.shading(ray, &hit)?, None)));
     let mut first = FirstHit::NONE;
     let mut color = Spectrum::ZERO;
-    if let Some((hit, shading)) = &found {
-        let finish = shading.material.finish(&shading.point);
-        first = FirstHit {
-            object: scene.layer_id(hit.id),
-            depth: hit.t,
-            normal: facing(ray, shading.surface.shading_normal),
-            albedo: finish.base,
-        };
-        recorder.hit(|| HitRecord {
-            object: scene.object_label(hit.id),
-            source: scene.object_source(hit.id),
-            t: hit.t,
-            detail: serde_json::Map::new(),
-        });
-        color = surface_view(kind, scene, ray, hit, shading, finish.base);
+    if let Some(point) = &found {
+        first = point.first_hit(scene);
+        recorder.hit(|| record(scene, point, 0, None));
+        color = surface_view(kind, scene, point);
     }
     if kind == Integrator::Cost {
         color = Spectrum::splat(visits.boxes as f64 / COSTLY_VISITS);
@@ -65,27 +54,19 @@ pub fn radiance<R: Recorder>(
     Radiance { color, alpha: if found.is_some() { 1.0 } else { 0.0 }, first }
 }
 
-fn surface_view(
-    kind: Integrator,
-    scene: &Scene,
-    ray: &Ray,
-    hit: &Hit,
-    shading: &Shading,
-    base: Spectrum,
-) -> Spectrum {
+fn surface_view(kind: Integrator, scene: &Scene, point: &Point) -> Spectrum {
+    let (hit, surface) = (&point.hit, &point.shading.surface);
     match kind {
-        Integrator::Normals => shading.surface.shading_normal * 0.5 + 0.5,
+        Integrator::Normals => surface.shading_normal * 0.5 + 0.5,
         // In units of the file; the develop settings bring it into view.
         Integrator::Depth => Spectrum::splat(hit.t / scene.root.scale()),
-        Integrator::Uv => {
-            Spectrum::new(fraction(shading.surface.uv.x), fraction(shading.surface.uv.y), 0.0)
-        }
+        Integrator::Uv => Spectrum::new(fraction(surface.uv.x), fraction(surface.uv.y), 0.0),
         Integrator::Object => label_color(u64::from(scene.layer_id(hit.id))),
         Integrator::Material => label_color(scene.material_index(hit.id) as u64 ^ 0x5eed),
         // Bright where the surface faces the eye, with a floor so that edges stay readable.
         Integrator::Eyelight => {
-            let cos = facing(ray, shading.surface.shading_normal).dot(-ray.direction);
-            base * (0.1 + 0.9 * cos)
+            let cos = -point.normal.dot(point.ray.direction);
+            point.finish.base * (0.1 + 0.9 * cos)
         }
         Integrator::Cost | Integrator::Rays | Integrator::Whitted => Spectrum::ZERO,
     }
@@ -107,11 +88,6 @@ fn rays_view<R: Recorder>(
     recorder.term(Integrator::Rays.name(), color, || (None, json!({"rays": own.total()})));
     recorder.end(Spectrum::ONE, color);
     Radiance { color, ..light }
-}
-
-fn facing(ray: &Ray, n: DVec3) -> DVec3 {
-    let n = if ray.direction.dot(n) > 0.0 { -n } else { n };
-    normalize(n).unwrap_or(DVec3::ZERO)
 }
 
 fn fraction(x: f64) -> f64 {

@@ -168,15 +168,10 @@ impl<'a, R: Recorder> Whitted<'a, R> {
     /// What a surface sends back along a ray.
     fn surface(&mut self, point: &Point, state: &State, first: Option<&mut FirstHit>) -> Spectrum {
         if let Some(first) = first {
-            *first = FirstHit {
-                object: self.scene.layer_id(point.hit.id),
-                depth: point.hit.t,
-                normal: point.normal,
-                albedo: point.finish.base,
-            };
+            *first = point.first_hit(self.scene);
         }
         let (scene, medium) = (self.scene, self.media.top(state.inside));
-        self.recorder.hit(|| record(scene, point, state, medium));
+        self.recorder.hit(|| record(scene, point, state.depth, medium));
 
         if point.finish.optics == Optics::Opaque {
             return self.own(point);
@@ -224,7 +219,12 @@ impl<'a, R: Recorder> Whitted<'a, R> {
 }
 
 /// What a recorder wants to know of a hit.
-fn record(scene: &Scene, point: &Point, state: &State, medium: Option<&Medium>) -> HitRecord {
+pub(super) fn record(
+    scene: &Scene,
+    point: &Point,
+    depth: u32,
+    medium: Option<&Medium>,
+) -> HitRecord {
     let (s, p) = (&point.shading.surface, &point.shading.point);
     let mut detail = serde_json::Map::new();
     let mut put = |key: &str, value| drop(detail.insert(key.into(), value));
@@ -236,7 +236,7 @@ fn record(scene: &Scene, point: &Point, state: &State, medium: Option<&Medium>) 
     put("from_outside", json!(point.outside));
     put("uv", json!(s.uv.to_array()));
     put("pattern", json!(point.finish.base.to_array()));
-    put("bounce", json!(state.depth));
+    put("bounce", json!(depth));
     if let Some(medium) = medium {
         let object = scene.object_label(medium.object);
         let absorption = medium.absorption.to_array();

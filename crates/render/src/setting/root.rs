@@ -42,12 +42,13 @@ pub static SCHEMA: Schema = Schema {
 pub struct Root {
     transform: Transform,
     up: DVec3,
+    scale: f64,
 }
 
 impl std::default::Default for Root {
     /// The file's space is the space of rays, y is up.
     fn default() -> Self {
-        Self { transform: Transform::IDENTITY, up: DVec3::Y }
+        Self { transform: Transform::IDENTITY, up: DVec3::Y, scale: 1.0 }
     }
 }
 
@@ -55,7 +56,8 @@ impl Root {
     /// A root with a placement; `None` where it has no inverse.
     #[must_use]
     pub fn new(placement: DAffine3, up: DVec3) -> Option<Self> {
-        Some(Self { transform: Transform::new(placement)?, up })
+        let scale = dioptric_math::cbrt(placement.matrix3.determinant().abs());
+        Some(Self { transform: Transform::new(placement)?, up, scale })
     }
 
     /// The transform from the file's space to the space of rays.
@@ -78,8 +80,8 @@ impl Root {
 
     /// Length in the space of rays of one unit of the file: the cube root of the change of volume.
     #[must_use]
-    pub fn scale(&self) -> f64 {
-        dioptric_math::cbrt(self.transform.to_world().matrix3.determinant().abs())
+    pub const fn scale(&self) -> f64 {
+        self.scale
     }
 
     /// The file's up direction, in the file's space.
