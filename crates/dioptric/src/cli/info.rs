@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 
 use dioptric::formats::ParamInfo;
+use dioptric::render::RenderSettings;
 use dioptric::scene::{Category, Description, Value};
 
 use super::failure::Failure;
@@ -22,6 +23,10 @@ pub fn run(args: &InfoArgs, terminal: &Terminal) -> Result<(), Failure> {
     let scene = args.scene.read(terminal)?;
     let description = &scene.reading.description;
     let mut text = String::new();
+    // Settings that are wrong are for `render` to complain about.
+    if let Ok(settings) = RenderSettings::from_scene(description, &[], u64::MAX) {
+        text.push_str(&picture(&settings));
+    }
     for category in Category::ALL {
         let kinds = count(description, category);
         if !kinds.is_empty() {
@@ -39,6 +44,23 @@ pub fn run(args: &InfoArgs, terminal: &Terminal) -> Result<(), Failure> {
         text.push_str(&format!("  {} ({} lines)\n", source.name, source.text.lines().count()));
     }
     terminal::print(text.as_bytes())
+}
+
+fn picture(settings: &RenderSettings) -> String {
+    let [width, height] = settings.size;
+    let samples = match settings.max_samples {
+        most if most != settings.samples => format!("{} to {most}", settings.samples),
+        _ => settings.samples.to_string(),
+    };
+    let plural = if samples == "1" { "" } else { "s" };
+    format!(
+        "{:<10} {:>8}  {} anti-aliasing, {samples} sample{plural} a pixel, {} bounces, {}\n",
+        "picture",
+        format!("{width}x{height}"),
+        settings.antialias.name(),
+        settings.bounces,
+        settings.integrator.name(),
+    )
 }
 
 fn plural(category: Category) -> String {

@@ -9,6 +9,7 @@ use dioptric::render::scene::Scene;
 use dioptric::render::{compile, why};
 
 use super::failure::Failure;
+use super::frames::Frames;
 use super::output::Output;
 use super::picture_options::PictureOptions;
 use super::scene_options::{ReadScene, SceneOptions};
@@ -20,8 +21,8 @@ use super::why_text;
 #[command(after_help = "Examples:\n  dioptric why scenes/space.star 400,520\n  \
     dioptric why scenes/space.star 400,520 --depth 1\n  \
     dioptric why scenes/space.star 0,0,80,80 --size 80x80 --json -o pixels.jsonl\n\n\
-    All options of render that change the picture change the explanation, too. --crop does not: X,Y \
-    counts from the top left of the full picture. render --grid draws these coordinates.")]
+    All options of render are taken; those that change the picture change the explanation, too. --crop \
+    does not: X,Y counts from the top left of the full picture. render --grid draws these coordinates.")]
 pub struct WhyArgs {
     #[command(flatten)]
     scene: SceneOptions,
@@ -42,13 +43,41 @@ pub struct WhyArgs {
     output: String,
     #[command(flatten)]
     picture: PictureOptions,
+    #[command(flatten)]
+    unused: UnusedOptions,
+}
+
+/// Options of `render` that change no pixel: taken, so that a command line of `render` becomes one of
+/// `why` by its first word, and not used.
+#[derive(Debug, clap::Args)]
+struct UnusedOptions {
+    #[arg(long, hide = true)]
+    to: Option<String>,
+    #[arg(long, hide = true)]
+    bits: Option<String>,
+    #[arg(long, hide = true)]
+    quality: Option<u8>,
+    #[arg(long, hide = true)]
+    grid: bool,
+    #[arg(long, hide = true)]
+    layers: bool,
+    #[arg(long, hide = true)]
+    sample_map: Option<String>,
+    #[arg(long, hide = true)]
+    stats: Option<String>,
+    #[arg(short, long, hide = true)]
+    quiet: bool,
+    /// The first of these frames is explained.
+    #[arg(long, hide = true, value_parser = Frames::parse)]
+    frames: Option<Frames>,
 }
 
 /// Explains the pixels that were asked for.
 pub fn run(args: &WhyArgs, terminal: &Terminal) -> Result<(), Failure> {
     let options = args.picture.compile_options(args.scene.camera(), args.scene.max_objects())?;
     let output = Output::new(&args.output)?;
-    let ReadScene { reading, loader } = args.scene.read(terminal)?;
+    let frame = args.unused.frames.map_or(args.scene.frame, |frames| frames.first);
+    let ReadScene { reading, loader } = args.scene.at_frame(frame).read(terminal)?;
     let description = Arc::new(reading.description);
     let (scene, warnings) = compile::compile(&description, &loader, &options)
         .map_err(|errors| Failure::Scene(errors, description.sources.clone()))?;

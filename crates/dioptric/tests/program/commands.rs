@@ -86,6 +86,7 @@ fn info_counts_and_shows_params() {
     let text = good(&["info", "scenes/space.star", "--set", "smooth=false"]);
     assert!(text.contains("\n  smooth = False (default True): "), "{text}");
     assert!(text.contains("3 cone, 1 cylinder"), "{text}");
+    assert!(text.contains(" 800x800  none anti-aliasing, 1 sample a pixel"), "{text}");
     assert!(text.contains("  scenes/space.star ("), "{text}");
 }
 

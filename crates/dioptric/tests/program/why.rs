@@ -167,6 +167,36 @@ fn the_text_tells_what_the_json_tells() {
 }
 
 #[test]
+fn a_command_line_of_render_becomes_one_of_why() {
+    let plain = good(&["why", "scenes/space.star", "30,40", "--size", "80x80"]);
+    let options = [
+        "--size",
+        "80x80",
+        "--grid",
+        "--layers",
+        "--bits",
+        "16",
+        "--quality",
+        "50",
+        "-q",
+        "--to",
+        "exr",
+        "--stats",
+        "nowhere/stats.json",
+        "--sample-map",
+        "nowhere/map.png",
+        "--crop",
+        "0,0,5,5",
+        "--threads",
+        "3",
+        "--frames",
+        "0-9",
+    ];
+    let same = good(&[&["why", "scenes/space.star", "30,40"][..], &options].concat());
+    assert_eq!(same, plain);
+}
+
+#[test]
 fn places_outside_of_the_picture_are_wrong_usage() {
     for (place, said) in [
         ("800,0", "the pixel 800,0 is not inside the picture of 800 x 800 pixels"),
