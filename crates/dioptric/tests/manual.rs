@@ -31,7 +31,15 @@ fn blocks(chapter: &str, language: &str) -> Vec<String> {
 fn the_examples_of_the_language_are_read() {
     let mut loader = MemoryLoader::new();
     let mut scenes = Vec::new();
-    let chapters = ["language.md", "patterns.md"];
+    let chapters = [
+        "first-scene.md",
+        "language.md",
+        "patterns.md",
+        "materials.md",
+        "lights.md",
+        "cameras.md",
+        "antialiasing.md",
+    ];
     let all = chapters.into_iter().flat_map(|chapter| blocks(chapter, "python"));
     for (i, block) in all.enumerate() {
         let first = block.lines().next().unwrap_or_default().to_string();
@@ -39,7 +47,15 @@ fn the_examples_of_the_language_are_read() {
             loader = loader.with(name, block);
             continue;
         }
-        let stage = if block.contains("camera(") { "" } else { "camera()\nlight((5, 8, 5))\n" };
+        // What a chapter leaves out because it is about something else.
+        let mut stage = String::new();
+        if !["camera(", "orthographic(", "fisheye(", "panorama("].iter().any(|c| block.contains(c))
+        {
+            stage.push_str("camera()\n");
+        }
+        if !["light(", "spot(", "directional("].iter().any(|l| block.contains(l)) {
+            stage.push_str("light((5, 8, 5))\n");
+        }
         let name = format!("example-{}.star", i + 1);
         // load() has to come first.
         let (loads, rest): (Vec<&str>, Vec<&str>) =
