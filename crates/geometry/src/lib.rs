@@ -14,6 +14,7 @@
 pub mod bounds;
 pub mod bvh;
 pub mod group;
+pub mod mesh_data;
 pub mod placement;
 pub mod ray;
 pub mod shape;
@@ -23,6 +24,7 @@ pub mod world;
 
 pub use bounds::Bounds;
 pub use group::GROUP_SCHEMA;
+pub use mesh_data::MeshData;
 pub use placement::{TRANSFORM_SCHEMAS, placement};
 pub use ray::{Contacts, Departure, HitId, Leaving, LocalRay, Ray};
 pub use shape::{Crossing, LocalSurface, Root, Shape};
