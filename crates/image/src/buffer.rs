@@ -101,6 +101,12 @@ impl Image {
         &self.pixels
     }
 
+    /// All pixels, row by row from the top left, handed over.
+    #[must_use]
+    pub fn into_pixels(self) -> Vec<[f32; 4]> {
+        self.pixels
+    }
+
     /// All pixels, to be changed.
     pub fn pixels_mut(&mut self) -> &mut [[f32; 4]] {
         &mut self.pixels

@@ -2,15 +2,15 @@
 //! JPEG: baseline and progressive, grey, colour, and four inks converted to colour.
 
 use super::check_size;
-use crate::buffer::Image;
 use crate::error::ImageError;
+use crate::stored::{Stored, Values};
 use crate::transfer::Encoding;
 use zune_jpeg::JpegDecoder;
 use zune_jpeg::zune_core::bytestream::ZCursor;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
-pub(super) fn decode(bytes: &[u8], max_pixels: u64) -> Result<Image, ImageError> {
+pub(super) fn decode(bytes: &[u8], max_pixels: u64) -> Result<Stored, ImageError> {
     if !is_complete(bytes) {
         return Err(ImageError::corrupt("JPEG", "it breaks off before its end marker"));
     }
@@ -26,16 +26,7 @@ pub(super) fn decode(bytes: &[u8], max_pixels: u64) -> Result<Image, ImageError>
     let info = decoder.info().ok_or_else(|| ImageError::corrupt("JPEG", "it has no header"))?;
     let (width, height) = check_size(info.width.into(), info.height.into(), max_pixels)?;
     let buffer = decoder.decode().map_err(|e| ImageError::corrupt("JPEG", e))?;
-    let pixels = buffer
-        .as_chunks::<3>()
-        .0
-        .iter()
-        .map(|&[r, g, b]| {
-            let [r, g, b] = [r, g, b].map(|c| f32::from(c) / 255.0);
-            [r, g, b, 1.0]
-        })
-        .collect();
-    Image::from_pixels(width, height, pixels, Encoding::Srgb)
+    Stored::new(width, height, 3, Values::Bytes(buffer), Encoding::Srgb)
 }
 
 /// Whether the file's segments and scans lead to its end marker. The decoder would fill what is missing with grey.

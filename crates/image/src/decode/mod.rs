@@ -15,18 +15,27 @@ pub use self::exr::decode_exr;
 
 use crate::buffer::Image;
 use crate::error::{ErrorKind, ImageError};
+use crate::stored::Stored;
 
 /// The extensions of the files that [`decode`] reads.
 pub const READABLE: [&str; 7] = ["png", "jpg", "jpeg", "bmp", "tga", "hdr", "exr"];
 
 /// Reads a picture of at most `max_pixels` pixels; needs at most about 64 bytes of memory for each of them.
 ///
+/// # Errors
+/// As [`decode_stored`].
+pub fn decode(bytes: &[u8], name: &str, max_pixels: u64) -> Result<Image, ImageError> {
+    decode_stored(bytes, name, max_pixels)?.into_image()
+}
+
+/// Reads a picture of at most `max_pixels` pixels and leaves its values as the file has them.
+///
 /// `name` is the file's name: it goes into messages, and its extension tells a TGA file, which has no signature.
 /// A file's first layer or frame is read.
 ///
 /// # Errors
 /// Bytes that are no picture, damaged or truncated files, and pictures above the limit.
-pub fn decode(bytes: &[u8], name: &str, max_pixels: u64) -> Result<Image, ImageError> {
+pub fn decode_stored(bytes: &[u8], name: &str, max_pixels: u64) -> Result<Stored, ImageError> {
     let picture = if bytes.starts_with(b"\x89PNG\r\n\x1a\n") {
         png::decode(bytes, max_pixels)
     } else if bytes.starts_with(b"\xff\xd8\xff") {
@@ -34,9 +43,9 @@ pub fn decode(bytes: &[u8], name: &str, max_pixels: u64) -> Result<Image, ImageE
     } else if bytes.starts_with(b"BM") {
         raster::decode_bmp(bytes, max_pixels)
     } else if bytes.starts_with(b"#?") {
-        hdr::decode(bytes, max_pixels)
+        hdr::decode(bytes, max_pixels).map(Stored::from)
     } else if bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
-        decode_exr(bytes, max_pixels).map(|layers| layers.picture)
+        decode_exr(bytes, max_pixels).map(|layers| layers.picture.into())
     } else if bytes.ends_with(b"TRUEVISION-XFILE.\0") || name.to_ascii_lowercase().ends_with(".tga")
     {
         raster::decode_tga(bytes, max_pixels)

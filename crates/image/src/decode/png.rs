@@ -2,13 +2,13 @@
 //! PNG: 1 to 16 bits, grey, palette, colour, with or without alpha, interlaced or not.
 
 use super::check_size;
-use crate::buffer::Image;
 use crate::error::ImageError;
+use crate::stored::{Stored, Values};
 use crate::transfer::Encoding;
 use png::{BitDepth, ColorType, Transformations};
 use std::io::Cursor;
 
-pub(super) fn decode(bytes: &[u8], max_pixels: u64) -> Result<Image, ImageError> {
+pub(super) fn decode(bytes: &[u8], max_pixels: u64) -> Result<Stored, ImageError> {
     let broken = |e: png::DecodingError| ImageError::corrupt("PNG", e);
     let mut decoder = png::Decoder::new(Cursor::new(bytes));
     // Palettes and small depths become 8 bits, transparent colours become alpha, 16 bits stay.
@@ -26,32 +26,16 @@ pub(super) fn decode(bytes: &[u8], max_pixels: u64) -> Result<Image, ImageError>
     // A file that breaks off after its last row lacks only checks, but it is no complete file.
     reader.finish().map_err(broken)?;
 
-    let bytes_per_sample = if info.bit_depth == BitDepth::Sixteen { 2 } else { 1 };
-    let sample = |s: &[u8]| match *s {
-        [hi, lo] => f32::from(u16::from_be_bytes([hi, lo])) / 65535.0,
-        [v] => f32::from(v) / 255.0,
-        _ => 0.0,
+    let values = if info.bit_depth == BitDepth::Sixteen {
+        Values::Shorts(buffer.as_chunks().0.iter().map(|&pair| u16::from_be_bytes(pair)).collect())
+    } else {
+        Values::Bytes(buffer)
     };
-    let (channels, alpha) = match info.color_type {
-        ColorType::Grayscale => (1, false),
-        ColorType::GrayscaleAlpha => (2, true),
-        ColorType::Rgba => (4, true),
-        ColorType::Rgb | ColorType::Indexed => (3, false),
+    let channels = match info.color_type {
+        ColorType::Grayscale => 1,
+        ColorType::GrayscaleAlpha => 2,
+        ColorType::Rgb | ColorType::Indexed => 3,
+        ColorType::Rgba => 4,
     };
-    let pixels = buffer
-        .chunks_exact(channels * bytes_per_sample)
-        .map(|pixel| {
-            let mut samples = pixel.chunks_exact(bytes_per_sample).map(sample);
-            let mut next = || samples.next().unwrap_or(1.0);
-            if channels <= 2 {
-                let grey = next();
-                [grey, grey, grey, next()]
-            } else {
-                [next(), next(), next(), next()]
-            }
-        })
-        .collect();
-    let mut image = Image::from_pixels(width, height, pixels, Encoding::Srgb)?;
-    image.has_alpha = alpha;
-    Ok(image)
+    Stored::new(width, height, channels, values, Encoding::Srgb)
 }

@@ -61,6 +61,10 @@ impl Wrap {
     /// The texel that stands for whole index `i` among `count`; `None` is the border.
     fn index(self, i: f64, count: usize) -> Option<usize> {
         let n = count as f64;
+        // Nearly all are inside; the remainders below are slow.
+        if i >= 0.0 && i < n {
+            return Some(i as usize);
+        }
         let inside = match self {
             Self::Repeat => i.rem_euclid(n),
             Self::Mirror => {
@@ -68,7 +72,6 @@ impl Wrap {
                 if m < n { m } else { 2.0 * n - 1.0 - m }
             }
             Self::Clamp => i.clamp(0.0, n - 1.0),
-            Self::Border if i >= 0.0 && i < n => i,
             Self::Border => return None,
         };
         Some(inside as usize)
@@ -97,27 +100,32 @@ impl Lookup {
         // In texels, rows counted from the bottom.
         let (x, y) = (u * self.texture.width() as f64, v * self.texture.height() as f64);
         let (x, y) = if x.is_finite() && y.is_finite() { (x, y) } else { (0.0, 0.0) };
+        let (w, h) = (self.texture.width(), self.texture.height());
+        let (column, row) = (|i| self.wrap[0].index(i, w), |j| self.wrap[1].index(j, h));
         match self.filter {
-            Filter::Nearest => self.texel(x.floor(), y.floor()),
+            Filter::Nearest => self.texel(column(x.floor()), row(y.floor())),
             Filter::Bilinear => {
                 let (x, y) = (x - 0.5, y - 0.5);
                 let (i, j) = (x.floor(), y.floor());
                 let (s, t) = (x - i, y - j);
-                let row = |j: f64| {
-                    let (a, b) = (self.texel(i, j), self.texel(i + 1.0, j));
+                let (left, right) = (column(i), column(i + 1.0));
+                let along = |row| {
+                    let (a, b) = (self.texel(left, row), self.texel(right, row));
                     std::array::from_fn(|c| a[c] * (1.0 - s) + b[c] * s)
                 };
-                let (low, high): ([f64; 4], [f64; 4]) = (row(j), row(j + 1.0));
+                let (low, high): ([f64; 4], [f64; 4]) = (along(row(j)), along(row(j + 1.0)));
                 std::array::from_fn(|c| low[c] * (1.0 - t) + high[c] * t)
             }
         }
     }
 
-    /// The texel in whole column `i` and row `j` from the bottom, wrapped.
-    fn texel(&self, i: f64, j: f64) -> [f64; 4] {
-        let (w, h) = (self.texture.width(), self.texture.height());
-        match (self.wrap[0].index(i, w), self.wrap[1].index(j, h)) {
-            (Some(x), Some(up)) => self.texture.texel(x, (h - 1).saturating_sub(up), self.as_color),
+    /// The texel in a column and a row from the bottom, or the border's.
+    fn texel(&self, column: Option<usize>, row: Option<usize>) -> [f64; 4] {
+        match (column, row) {
+            (Some(x), Some(up)) => {
+                let y = (self.texture.height() - 1).saturating_sub(up);
+                self.texture.texel(x, y, self.as_color)
+            }
             _ => [self.border[0], self.border[1], self.border[2], 0.0],
         }
     }
@@ -131,7 +139,7 @@ mod tests {
     /// Red counts columns, green counts rows from the top.
     fn grid(w: u32, h: u32) -> Arc<Texture> {
         let image = Image::from_fn(w, h, Encoding::Raw, |x, y| [x as f32, y as f32, 0.0]).unwrap();
-        Arc::new(Texture::from_image(&image))
+        Arc::new(Texture::from_stored(image.into()))
     }
 
     fn lookup(filter: Filter, wrap: Wrap) -> Lookup {

@@ -6,8 +6,8 @@ mod lookup;
 
 use std::sync::OnceLock;
 
-use dioptric_image::transfer::{linear_from_srgb, quantize_8, quantize_16};
-use dioptric_image::{Encoding, Image, ImageError, decode};
+use dioptric_image::transfer::linear_from_srgb;
+use dioptric_image::{Encoding, ImageError, Stored, Values, decode_stored};
 
 pub use lookup::{Filter, Lookup, Wrap};
 
@@ -18,22 +18,14 @@ pub const MAX_TEXELS: u64 = 1 << 28;
 /// pictures are mostly stored.
 const BRIGHTEST: f32 = 65_504.0;
 
-/// The stored values, channel by channel, texel by texel, row by row from the top left.
-#[derive(Clone, Debug)]
-enum Data {
-    Bytes(Box<[u8]>),
-    Shorts(Box<[u16]>),
-    Floats(Box<[f32]>),
-}
-
 /// A picture, at least one texel large.
 #[derive(Clone, Debug)]
 pub struct Texture {
     width: usize,
     height: usize,
-    /// 1 (grey), 3, or 4 with alpha.
+    /// 1 (grey), 2 (grey and alpha), 3, or 4 with alpha.
     channels: usize,
-    data: Data,
+    values: Values,
     /// Whether the file held linear light, which nothing decodes.
     linear: bool,
 }
@@ -44,32 +36,23 @@ impl Texture {
     /// # Errors
     /// The bytes are no picture, the file is damaged, or the picture is too large.
     pub fn from_bytes(bytes: &[u8], name: &str, max_texels: u64) -> Result<Self, ImageError> {
-        decode(bytes, name, max_texels).map(|image| Self::from_image(&image))
+        decode_stored(bytes, name, max_texels).map(Self::from_stored)
     }
 
-    /// Keeps a picture as small as its values allow: as bytes where all of them are 255ths, as
-    /// shorts where they are 65535ths, in one channel where it is grey.
+    /// Keeps a picture as small as it was in its file, in one channel where it is grey.
     #[must_use]
-    pub fn from_image(image: &Image) -> Self {
-        let is_grey = image.pixels().iter().all(|[r, g, b, _]| r == g && g == b);
-        let channels = match (image.has_alpha, is_grey) {
-            (true, _) => 4,
-            (false, true) => 1,
-            (false, false) => 3,
+    pub fn from_stored(picture: Stored) -> Self {
+        let (width, height) = (picture.width() as usize, picture.height() as usize);
+        let (channels, linear) = (picture.channels(), picture.encoding == Encoding::Raw);
+        let (channels, values) = match picture.into_values() {
+            Values::Bytes(v) => smallest(v, channels, Values::Bytes),
+            Values::Shorts(v) => smallest(v, channels, Values::Shorts),
+            Values::Floats(mut v) => {
+                v.iter_mut().for_each(|v| *v = finite(*v));
+                smallest(v, channels, Values::Floats)
+            }
         };
-        let values = || image.pixels().iter().flat_map(|pixel| &pixel[..channels]).copied();
-        let linear = image.encoding == Encoding::Raw;
-        let byte = |v: f32| quantize_8(f64::from(v));
-        let short = |v: f32| quantize_16(f64::from(v));
-        let data = if !linear && values().all(|v| f32::from(byte(v)) / 255.0 == v) {
-            Data::Bytes(values().map(byte).collect())
-        } else if !linear && values().all(|v| f32::from(short(v)) / 65_535.0 == v) {
-            Data::Shorts(values().map(short).collect())
-        } else {
-            Data::Floats(values().map(finite).collect())
-        };
-        let (width, height) = (image.width() as usize, image.height() as usize);
-        Self { width, height, channels, data, linear }
+        Self { width, height, channels, values, linear }
     }
 
     /// Texels in a row.
@@ -87,10 +70,10 @@ impl Texture {
     /// Memory for the texels.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        match &self.data {
-            Data::Bytes(v) => v.len(),
-            Data::Shorts(v) => v.len() * 2,
-            Data::Floats(v) => v.len() * 4,
+        match &self.values {
+            Values::Bytes(v) => v.len(),
+            Values::Shorts(v) => v.len() * 2,
+            Values::Floats(v) => v.len() * 4,
         }
     }
 
@@ -101,34 +84,60 @@ impl Texture {
     pub fn texel(&self, x: usize, y: usize, as_color: bool) -> [f64; 4] {
         let (x, y) = (x.min(self.width - 1), y.min(self.height - 1));
         let first = (y * self.width + x) * self.channels;
-        let value = |channel: usize, decode: bool| match &self.data {
-            Data::Bytes(v) => {
-                let stored = v.get(first + channel).copied().unwrap_or(0);
-                if decode { byte_table()[usize::from(stored)] } else { f64::from(stored) / 255.0 }
+        let (decode, all) = (as_color && !self.linear, first..first + self.channels);
+        match &self.values {
+            Values::Bytes(v) => {
+                let [stored, light] = byte_tables();
+                let table = if decode { light } else { stored };
+                let color = |b: u8| table[usize::from(b)];
+                spread(v.get(all).unwrap_or_default(), color, |b| stored[usize::from(b)])
             }
-            Data::Shorts(v) => {
-                let stored = v.get(first + channel).copied().unwrap_or(0);
-                let stored = f64::from(stored) / 65_535.0;
-                if decode { linear_from_srgb(stored) } else { stored }
+            Values::Shorts(v) => {
+                let stored = |s: u16| f64::from(s) / 65_535.0;
+                let color = |s| if decode { linear_from_srgb(stored(s)) } else { stored(s) };
+                spread(v.get(all).unwrap_or_default(), color, stored)
             }
-            Data::Floats(v) => {
-                let stored = f64::from(v.get(first + channel).copied().unwrap_or(0.0));
-                if decode { linear_from_srgb(stored) } else { stored }
+            Values::Floats(v) => {
+                let color = |stored: f32| {
+                    let stored = f64::from(stored);
+                    let v = if decode { linear_from_srgb(stored) } else { stored };
+                    if as_color { v.max(0.0) } else { v }
+                };
+                spread(v.get(all).unwrap_or_default(), color, f64::from)
             }
-        };
-        let color = |channel: usize| {
-            let v = value(channel, as_color && !self.linear);
-            if as_color { v.max(0.0) } else { v }
-        };
-        match self.channels {
-            1 => {
-                let grey = color(0);
-                [grey, grey, grey, 1.0]
-            }
-            3 => [color(0), color(1), color(2), 1.0],
-            _ => [color(0), color(1), color(2), value(3, false)],
         }
     }
+}
+
+/// A texel's one to four values as red, green, blue and alpha.
+fn spread<T: Copy>(texel: &[T], color: impl Fn(T) -> f64, number: impl Fn(T) -> f64) -> [f64; 4] {
+    match *texel {
+        [r, g, b] => [color(r), color(g), color(b), 1.0],
+        [r, g, b, alpha] => [color(r), color(g), color(b), number(alpha)],
+        [grey] => {
+            let grey = color(grey);
+            [grey, grey, grey, 1.0]
+        }
+        [grey, alpha] => {
+            let grey = color(grey);
+            [grey, grey, grey, number(alpha)]
+        }
+        _ => [0.0, 0.0, 0.0, 1.0],
+    }
+}
+
+/// The channels and values of a picture, with one channel for three where all its texels are grey.
+fn smallest<T: Copy + PartialEq>(
+    values: Vec<T>,
+    channels: usize,
+    wrap: impl Fn(Vec<T>) -> Values,
+) -> (usize, Values) {
+    let grey = |texel: &[T]| matches!(*texel, [r, g, b, ..] if r == g && g == b);
+    if channels < 3 || !values.chunks_exact(channels).all(grey) {
+        return (channels, wrap(values));
+    }
+    let kept = values.chunks_exact(channels).flat_map(|texel| &texel[2..]).copied().collect();
+    (channels - 2, wrap(kept))
 }
 
 /// The value with NaN and infinity replaced.
@@ -142,57 +151,63 @@ fn finite(v: f32) -> f32 {
     }
 }
 
-/// The linear light of all bytes.
-fn byte_table() -> &'static [f64; 256] {
-    static TABLE: OnceLock<[f64; 256]> = OnceLock::new();
-    TABLE.get_or_init(|| std::array::from_fn(|i| linear_from_srgb(i as f64 / 255.0)))
+/// The numbers of all bytes: 255ths, and the linear light of these as sRGB values.
+fn byte_tables() -> &'static [[f64; 256]; 2] {
+    static TABLES: OnceLock<[[f64; 256]; 2]> = OnceLock::new();
+    TABLES.get_or_init(|| {
+        let stored = std::array::from_fn(|i| i as f64 / 255.0);
+        [stored, stored.map(linear_from_srgb)]
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn stored(values: &[f32], encoding: Encoding) -> Texture {
-        let pixels = values.iter().map(|&v| [v, v * 0.5, 0.0, 1.0]).collect();
-        let image = Image::from_pixels(values.len() as u32, 1, pixels, encoding).unwrap();
-        Texture::from_image(&image)
+    /// A row of texels with as many values each.
+    fn row(channels: usize, values: Values, encoding: Encoding) -> Texture {
+        let width = (values.len() / channels) as u32;
+        Texture::from_stored(Stored::new(width, 1, channels, values, encoding).unwrap())
     }
 
     #[test]
     fn stored_as_small_as_the_values_allow() {
-        let third = f32::from(85_u8) / 255.0;
-        let grey = Image::from_pixels(2, 1, vec![[third, third, third, 1.0]; 2], Encoding::Srgb);
-        assert_eq!(Texture::from_image(&grey.unwrap()).bytes(), 2);
-        let bytes = Image::from_pixels(2, 1, vec![[third, 1.0, 0.0, 1.0]; 2], Encoding::Srgb);
-        assert_eq!(Texture::from_image(&bytes.unwrap()).bytes(), 6);
-        let short = f32::from(1234_u16) / 65_535.0;
-        let shorts = Image::from_pixels(2, 1, vec![[short, 1.0, 0.0, 1.0]; 2], Encoding::Srgb);
-        let shorts = Texture::from_image(&shorts.unwrap());
+        let bytes = |channels, v: &[u8]| row(channels, Values::Bytes(v.to_vec()), Encoding::Srgb);
+        assert_eq!(bytes(3, &[85, 85, 85, 9, 9, 9]).bytes(), 2);
+        assert_eq!(bytes(3, &[85, 85, 85, 9, 9, 8]).bytes(), 6);
+        assert_eq!(
+            bytes(1, &[85, 9]).texel(1, 0, false),
+            [9.0 / 255.0, 9.0 / 255.0, 9.0 / 255.0, 1.0]
+        );
+        let alpha = bytes(4, &[85; 8]);
+        assert_eq!(alpha.bytes(), 4);
+        assert_eq!(alpha.texel(1, 0, true)[3], 85.0 / 255.0, "alpha is never decoded");
+        assert_eq!(bytes(4, &[85, 0, 0, 51]).texel(0, 0, true)[3], 0.2);
+        let shorts = row(3, Values::Shorts(vec![1234, 65_535, 0, 1, 2, 3]), Encoding::Srgb);
         assert_eq!(shorts.bytes(), 12);
         assert_eq!(shorts.texel(0, 0, false), [1234.0 / 65_535.0, 1.0, 0.0, 1.0]);
-        let alpha = Image::from_pixels(2, 1, vec![[third, third, third, third]; 2], Encoding::Srgb);
-        let alpha = Texture::from_image(&alpha.unwrap().with_alpha());
-        assert_eq!(alpha.bytes(), 8);
-        assert_eq!(alpha.texel(1, 0, true)[3], 85.0 / 255.0, "alpha is never decoded");
-        assert_eq!(stored(&[0.5, 2.0], Encoding::Raw).bytes(), 24);
+        assert_eq!(row(3, Values::Floats(vec![0.5, 2.0, 0.0]), Encoding::Raw).bytes(), 12);
     }
 
     #[test]
     fn every_byte_comes_back_exactly_and_decodes_as_srgb() {
         for i in 0..=255_u8 {
-            let pixel = [f32::from(i) / 255.0, 1.0, 0.0, 1.0];
-            let image = Image::from_pixels(1, 1, vec![pixel], Encoding::Srgb).unwrap();
-            let texture = Texture::from_image(&image);
+            let texture = row(3, Values::Bytes(vec![i, 255, 0]), Encoding::Srgb);
+            let wide = u16::from(i) * 257;
+            let shorts = row(3, Values::Shorts(vec![wide, 65_535, 0]), Encoding::Srgb);
             let v = f64::from(i) / 255.0;
-            assert_eq!(texture.texel(0, 0, false)[0], v);
+            assert_eq!(texture.texel(0, 0, false), [v, 1.0, 0.0, 1.0]);
             assert_eq!(texture.texel(0, 0, true)[0], crate::build::srgb_to_linear(v));
+            for as_color in [false, true] {
+                assert_eq!(shorts.texel(0, 0, as_color), texture.texel(0, 0, as_color));
+            }
         }
     }
 
     #[test]
     fn linear_pictures_are_not_decoded_and_made_finite() {
         let values = [0.5, -2.0, f32::NAN, f32::INFINITY, f32::NEG_INFINITY];
-        let texture = stored(&values, Encoding::Raw);
+        let texture = row(1, Values::Floats(values.to_vec()), Encoding::Raw);
         let red = |as_color| [0, 1, 2, 3, 4].map(|x| texture.texel(x, 0, as_color)[0]);
         assert_eq!(red(true), [0.5, 0.0, 0.0, 65_504.0, 0.0]);
         assert_eq!(red(false), [0.5, -2.0, 0.0, 65_504.0, -65_504.0]);
