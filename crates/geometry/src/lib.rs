@@ -27,7 +27,7 @@ pub use group::GROUP_SCHEMA;
 pub use mesh_data::MeshData;
 pub use placement::{TRANSFORM_SCHEMAS, placement};
 pub use ray::{Contacts, Departure, HitId, Leaving, LocalRay, Ray};
-pub use shape::{Crossing, LocalSurface, Root, Shape};
+pub use shape::{Crossing, LocalSurface, Root, Shape, SurfacePoint};
 pub use shapes::AnyShape;
 pub use transform::Transform;
 pub use world::{GroupId, Hit, PlacementError, Surface, World, WorldBuilder};

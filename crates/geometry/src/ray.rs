@@ -112,6 +112,13 @@ pub struct LocalRay {
 }
 
 impl LocalRay {
+    /// A ray of the scene that leaves nothing and goes on for ever.
+    #[must_use]
+    pub const fn whole(ray: &Ray) -> Self {
+        let Ray { origin, direction, error, .. } = *ray;
+        Self { origin, direction, error, t_max: f64::INFINITY, leaving: None }
+    }
+
     /// The point at distance `t`.
     #[must_use]
     pub fn at(&self, t: f64) -> DVec3 {

@@ -47,6 +47,27 @@ pub struct LocalSurface {
     pub dpdv: DVec3,
 }
 
+/// What most shading needs of a point of a surface: [`LocalSurface`] without coordinates, which cost more
+/// than all the rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfacePoint {
+    /// The point, moved onto the surface.
+    pub point: DVec3,
+    /// A bound on the distance from `point` to the exact surface.
+    pub error: f64,
+    /// Unit normal of the exact surface; outward on solids.
+    pub normal: DVec3,
+    /// Unit normal to shade with; differs from `normal` on triangles with vertex normals.
+    pub shading_normal: DVec3,
+}
+
+impl From<LocalSurface> for SurfacePoint {
+    fn from(s: LocalSurface) -> Self {
+        let LocalSurface { point, error, normal, shading_normal, .. } = s;
+        Self { point, error, normal, shading_normal }
+    }
+}
+
 /// A shape that rays can hit.
 ///
 /// Rules that the batteries of tests hold every shape to:
@@ -86,4 +107,9 @@ pub trait Shape: Sized {
 
     /// The surface at a point that a root gave; `part` is the root's.
     fn surface(&self, point: DVec3, part: u32) -> LocalSurface;
+
+    /// The same without coordinates, to the last bit.
+    fn surface_point(&self, point: DVec3, part: u32) -> SurfacePoint {
+        self.surface(point, part).into()
+    }
 }

@@ -5,7 +5,7 @@ use dioptric_math::bounds::gamma;
 use dioptric_math::{DAffine3, DMat3, DVec3, normalize};
 
 use crate::bounds::Bounds;
-use crate::shape::LocalSurface;
+use crate::shape::{LocalSurface, SurfacePoint};
 
 /// The Frobenius norm of the identity.
 const SQRT_3: f64 = 1.732_050_807_568_877_2;
@@ -110,15 +110,29 @@ impl Transform {
         }
     }
 
+    /// A point of a surface, carried to the scene's space.
+    #[must_use]
+    pub fn surface_point_to_world(&self, s: &SurfacePoint) -> SurfacePoint {
+        let (point, error) = self.point_to_world(s.point, s.error);
+        let normal = self.normal_to_world(s.normal);
+        let shading_normal = if s.shading_normal == s.normal {
+            normal
+        } else {
+            self.normal_to_world(s.shading_normal)
+        };
+        SurfacePoint { point, error, normal, shading_normal }
+    }
+
     /// A surface, carried to the scene's space.
     #[must_use]
     pub fn surface_to_world(&self, s: &LocalSurface) -> LocalSurface {
-        let (point, error) = self.point_to_world(s.point, s.error);
+        let SurfacePoint { point, error, normal, shading_normal } =
+            self.surface_point_to_world(&(*s).into());
         LocalSurface {
             point,
             error,
-            normal: self.normal_to_world(s.normal),
-            shading_normal: self.normal_to_world(s.shading_normal),
+            normal,
+            shading_normal,
             uv: s.uv,
             dpdu: self.to_world.matrix3 * s.dpdu,
             dpdv: self.to_world.matrix3 * s.dpdv,

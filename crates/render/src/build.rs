@@ -48,6 +48,8 @@ pub struct Builder<'a> {
     pub reading: ColorReading,
     /// How many texels pictures may still have.
     pub texels_left: u64,
+    /// How often a pattern was asked for: what is built meanwhile without one is the same everywhere.
+    pub patterns_used: u64,
     loader: &'a dyn Loader,
     patterns: HashMap<(NodeId, ColorReading), Arc<AnyPattern>>,
     textures: HashMap<Arc<str>, Arc<Texture>>,
@@ -65,6 +67,7 @@ impl<'a> Builder<'a> {
             description,
             reading,
             texels_left: MAX_TEXELS,
+            patterns_used: 0,
             loader,
             patterns: HashMap::new(),
             textures: HashMap::new(),
@@ -76,6 +79,7 @@ impl<'a> Builder<'a> {
     /// # Errors
     /// Its arguments are wrong.
     pub fn pattern(&mut self, id: NodeId) -> Result<Arc<AnyPattern>, Diagnostic> {
+        self.patterns_used += 1;
         let key = (id, self.reading);
         if let Some(done) = self.patterns.get(&key) {
             return Ok(done.clone());

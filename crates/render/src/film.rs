@@ -25,6 +25,11 @@ pub struct Radiance {
     pub first: FirstHit,
 }
 
+impl Radiance {
+    /// Black, and seen through.
+    pub const NOTHING: Self = Self { color: Spectrum::ZERO, alpha: 0.0, first: FirstHit::NONE };
+}
+
 /// What a camera ray hit first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FirstHit {

@@ -1,20 +1,22 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A whole picture of a scene: camera, integrator and job put together.
 
+use std::sync::atomic::AtomicBool;
+
+use dioptric_geometry::Ray;
 use dioptric_scene::Diagnostic;
 use rayon::ThreadPool;
 
-use crate::film::{Film, FirstHit, Radiance};
+use crate::film::{Film, Radiance};
 use crate::integrator::{
     self,
     recorder::{Recorder, Silent},
 };
-use crate::job::{self, Control};
+use crate::job::{self, Control, Shoot, Shot};
 use crate::region::Region;
 use crate::sampling::{PixelSample, Stream};
 use crate::scene::Scene;
 use crate::stats::RayCounts;
-use dioptric_math::Spectrum;
 
 /// Renders a region of a scene's picture on the threads of `pool`: the same bits for any number of them.
 ///
@@ -26,24 +28,64 @@ pub fn render(
     pool: &ThreadPool,
     control: &Control,
 ) -> Result<Film, Diagnostic> {
-    let shoot = |sample: &PixelSample, stream: &mut Stream, counts: &mut RayCounts| {
-        shoot(scene, sample, stream, counts, &mut Silent)
-    };
-    job::render(&scene.settings, region, pool, &shoot, control)
+    job::render(&scene.settings, region, pool, &Camera { scene }, control)
 }
 
-/// One camera sample: the ray through its place in the picture, and what it brings.
+/// Shoots a scene's samples.
+#[derive(Clone, Copy)]
+pub struct Camera<'a> {
+    /// What is seen.
+    pub scene: &'a Scene,
+}
+
+impl Shoot for Camera<'_> {
+    fn shoot(
+        &self,
+        shots: &[Shot],
+        counts: &mut RayCounts,
+        cancel: &AtomicBool,
+        out: &mut Vec<Radiance>,
+    ) {
+        let scene = self.scene;
+        let rays: Vec<(Ray, Stream)> = shots
+            .iter()
+            .filter_map(|shot| Some((camera_ray(scene, &shot.sample)?, shot.stream)))
+            .collect();
+        let all = rays.len() == shots.len();
+        let radiances = integrator::radiances(scene, rays, counts, &mut Silent, cancel);
+        if all {
+            out.extend(radiances);
+            return;
+        }
+        let mut seen = radiances.into_iter();
+        for shot in shots {
+            match camera_ray(scene, &shot.sample) {
+                None => out.push(Radiance::NOTHING),
+                Some(_) => match seen.next() {
+                    Some(radiance) => out.push(radiance),
+                    None => return,
+                },
+            }
+        }
+    }
+}
+
+/// One camera sample by itself: the same bits as in any batch.
 pub fn shoot<R: Recorder>(
     scene: &Scene,
     sample: &PixelSample,
-    stream: &mut Stream,
+    stream: Stream,
     counts: &mut RayCounts,
     recorder: &mut R,
 ) -> Radiance {
+    let rays = camera_ray(scene, sample).map(|ray| (ray, stream)).into_iter().collect();
+    let radiances = integrator::radiances(scene, rays, counts, recorder, &AtomicBool::new(false));
+    radiances.first().copied().unwrap_or(Radiance::NOTHING)
+}
+
+/// The ray through a sample's place in the picture; `None` where the camera sees nothing (outside of a
+/// fisheye's circle).
+fn camera_ray(scene: &Scene, sample: &PixelSample) -> Option<Ray> {
     let [width, height] = scene.settings.size.map(f64::from);
-    match scene.camera.ray(sample.x / width, sample.y / height, sample.lens) {
-        Some(ray) => integrator::radiance(scene, &ray, stream, counts, recorder),
-        // The camera sees nothing there (outside of a fisheye's circle).
-        None => Radiance { color: Spectrum::ZERO, alpha: 0.0, first: FirstHit::NONE },
-    }
+    scene.camera.ray(sample.x / width, sample.y / height, sample.lens)
 }

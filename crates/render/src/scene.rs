@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A scene ready to be rendered. It does not change while it is rendered (invariant 1).
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use dioptric_geometry::world::{Hit, Surface, World};
-use dioptric_geometry::{AnyShape, HitId, Ray};
+use dioptric_geometry::{HitId, Ray, SurfacePoint};
 use dioptric_image::Develop;
 use dioptric_math::Spectrum;
 use dioptric_scene::{Description, NodeId};
@@ -14,7 +15,7 @@ use crate::camera::AnyCamera;
 use crate::integrator::media::Medium;
 use crate::integrator::recorder::SourcePlace;
 use crate::light::AnyLight;
-use crate::material::AnyMaterial;
+use crate::material::{AnyMaterial, Finish};
 use crate::pattern::PatternPoint;
 use crate::setting::background::Background;
 use crate::setting::fog::Fog;
@@ -29,6 +30,32 @@ pub struct ObjectInfo {
     pub node: NodeId,
     /// Its material's index, or where its leaves' materials begin in [`Scene::leaf_materials`].
     pub material: u32,
+    /// Whether it is a combination of solids, whose leaves have a material each.
+    pub combined: bool,
+}
+
+/// A material, and what is known of it before any ray is cast.
+#[derive(Clone, Debug)]
+pub struct SceneMaterial {
+    /// The material.
+    pub material: AnyMaterial,
+    /// Its answer, where that is the same at every point: no pattern, no bump map.
+    pub uniform: Option<Finish>,
+    /// Whether it lets no light pass anywhere.
+    pub opaque: bool,
+}
+
+impl SceneMaterial {
+    /// `uniform` says that the material was built without any pattern.
+    #[must_use]
+    pub fn new(material: AnyMaterial, uniform: bool) -> Self {
+        let answer = uniform.then(|| material.finish(&PatternPoint::NOWHERE));
+        let opaque = match &answer {
+            Some(finish) => finish.shadow_pass == Spectrum::ZERO,
+            None => material.is_opaque(),
+        };
+        Self { material, uniform: answer, opaque }
+    }
 }
 
 /// A light and the node that made it.
@@ -50,7 +77,7 @@ pub struct Scene {
     /// By object id of the world.
     pub objects: Vec<ObjectInfo>,
     /// All materials.
-    pub materials: Vec<AnyMaterial>,
+    pub materials: Vec<SceneMaterial>,
     /// Materials of the leaves of CSG objects, by [`ObjectInfo::material`] plus leaf.
     pub leaf_materials: Vec<u32>,
     /// By instance id: the node that was used again.
@@ -77,14 +104,12 @@ pub struct Scene {
     pub develop: Develop,
 }
 
-/// A point to shade: its surface, what patterns need to know of it, and its material.
+/// A point to shade: its surface, and what its material answers there.
 pub struct Shading<'a> {
     /// The surface in the space of rays; its shading normal bumped, both normals as the shape has them.
-    pub surface: Surface,
-    /// Where patterns are asked.
-    pub point: PatternPoint,
-    /// The material.
-    pub material: &'a AnyMaterial,
+    pub surface: SurfacePoint,
+    /// The material's answer.
+    pub finish: Cow<'a, Finish>,
 }
 
 /// Parts of CSG objects carry their leaf above these bits (see `dioptric_geometry::shapes::csg`).
@@ -94,19 +119,26 @@ impl Scene {
     /// The index of the material of a hit.
     #[must_use]
     pub fn material_index(&self, id: HitId) -> usize {
-        let first = self.objects[id.object as usize].material;
-        // Combinations of solids have a material for each leaf.
-        match self.world.shape(id.object) {
-            Some(AnyShape::Union(_) | AnyShape::Intersection(_) | AnyShape::Difference(_)) => {
-                self.leaf_materials[(first + (id.part >> LEAF_SHIFT)) as usize] as usize
-            }
-            _ => first as usize,
-        }
+        let ObjectInfo { material, combined, .. } = self.objects[id.object as usize];
+        let leaf = || self.leaf_materials[(material + (id.part >> LEAF_SHIFT)) as usize];
+        if combined { leaf() as usize } else { material as usize }
     }
 
-    /// Works out everything about a hit; `None` only for a hit that is not of this world.
+    /// Works out what shading needs of a hit; `None` only for a hit that is not of this world.
     #[must_use]
     pub fn shading(&self, ray: &Ray, hit: &Hit) -> Option<Shading<'_>> {
+        let SceneMaterial { material, uniform, .. } = &self.materials[self.material_index(hit.id)];
+        if let Some(finish) = uniform {
+            let surface = self.world.surface_point(ray, hit)?;
+            return Some(Shading { surface, finish: Cow::Borrowed(finish) });
+        }
+        let (surface, point) = self.surface_and_point(ray, hit)?;
+        Some(Shading { surface: surface.into(), finish: Cow::Owned(material.finish(&point)) })
+    }
+
+    /// Everything about the surface at a hit, its shading normal bumped, and where its patterns are asked.
+    #[must_use]
+    pub fn surface_and_point(&self, ray: &Ray, hit: &Hit) -> Option<(Surface, PatternPoint)> {
         let mut surface = self.world.surface(ray, hit)?;
         let root = self.root.transform();
         let point = PatternPoint {
@@ -120,8 +152,7 @@ impl Scene {
             )
             .unwrap_or(surface.shading_normal),
         };
-        let material = &self.materials[self.material_index(hit.id)];
-        if let Some(bump) = material.bump() {
+        if let Some(bump) = self.materials[self.material_index(hit.id)].material.bump() {
             let to_ray = self.world.object_to_ray(hit.id)?.matrix3;
             let to_file = root.to_local().matrix3 * to_ray;
             let shape = self.world.shape(hit.id.object)?;
@@ -130,7 +161,13 @@ impl Scene {
                 dioptric_math::normalize(to_ray.inverse().transpose() * bumped)
                     .unwrap_or(surface.shading_normal);
         }
-        Some(Shading { surface, point, material })
+        Some((surface, point))
+    }
+
+    /// Whether a hit's material lets no light pass anywhere.
+    #[must_use]
+    pub fn is_opaque(&self, id: HitId) -> bool {
+        self.materials[self.material_index(id)].opaque
     }
 
     /// A number that tells objects apart in layers and adaptive sampling: unique for each pair of

@@ -10,8 +10,8 @@ use serde::Serialize;
 use crate::film::FilmPixel;
 use crate::integrator::recorder::{Node, TreeRecorder};
 use crate::job::samples_of_pixel;
-use crate::picture::shoot;
-use crate::sampling::{PixelSample, Stream, pixel_sample, pixel_weights};
+use crate::picture::{Camera, shoot};
+use crate::sampling::{pixel_sample, pixel_weights};
 use crate::scene::Scene;
 use crate::stats::RayCounts;
 
@@ -66,10 +66,7 @@ pub fn explain(scene: &Scene, x: u32, y: u32) -> Option<Pixel> {
     if x >= settings.size[0] || y >= settings.size[1] {
         return None;
     }
-    let quiet = |sample: &PixelSample, stream: &mut Stream, counts: &mut RayCounts| {
-        shoot(scene, sample, stream, counts, &mut crate::integrator::recorder::Silent)
-    };
-    let count = samples_of_pixel(settings, [x, y], &quiet);
+    let count = samples_of_pixel(settings, [x, y], &Camera { scene });
     let weights = pixel_weights(settings, [x, y], count);
     let mut film = FilmPixel::default();
     let mut rays = RayCounts::default();
@@ -77,9 +74,9 @@ pub fn explain(scene: &Scene, x: u32, y: u32) -> Option<Pixel> {
         .into_iter()
         .enumerate()
         .map(|(index, weight)| {
-            let (place, mut stream) = pixel_sample(settings, [x, y], index as u32);
+            let (place, stream) = pixel_sample(settings, [x, y], index as u32);
             let mut recorder = TreeRecorder::default();
-            let radiance = shoot(scene, &place, &mut stream, &mut rays, &mut recorder);
+            let radiance = shoot(scene, &place, stream, &mut rays, &mut recorder);
             film.add(place.weight, &radiance);
             Sample { weight, position: [place.x, place.y], ray: recorder.into_root() }
         })

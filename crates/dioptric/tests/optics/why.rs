@@ -37,8 +37,8 @@ fn a_recorder_changes_nothing_and_tells_every_ray() {
             let (place, stream) = pixel_sample(&scene.settings, [x, y], sample);
             let (mut quiet, mut told) = (RayCounts::default(), RayCounts::default());
             let mut recorder = TreeRecorder::default();
-            let a = shoot(&scene, &place, &mut stream.clone(), &mut quiet, &mut Silent);
-            let b = shoot(&scene, &place, &mut stream.clone(), &mut told, &mut recorder);
+            let a = shoot(&scene, &place, stream, &mut quiet, &mut Silent);
+            let b = shoot(&scene, &place, stream, &mut told, &mut recorder);
             assert_eq!(a, b, "{x},{y}");
             assert_eq!(quiet, told);
             let root = recorder.into_root().expect("a ray");

@@ -7,7 +7,7 @@ use dioptric_scene::{Args, Category, Default, Diagnostic, Param, Schema, Type};
 use super::frustum::{Frustum, ends, no_length, uv_doc};
 use crate::bounds::Bounds;
 use crate::ray::LocalRay;
-use crate::shape::{Crossing, LocalSurface, Root, Shape};
+use crate::shape::{Crossing, LocalSurface, Root, Shape, SurfacePoint};
 
 /// A cone or cut cone with any axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -103,5 +103,9 @@ impl Shape for Cone {
 
     fn surface(&self, point: DVec3, part: u32) -> LocalSurface {
         self.0.surface(point, part)
+    }
+
+    fn surface_point(&self, point: DVec3, part: u32) -> SurfacePoint {
+        self.0.surface_point(point, part)
     }
 }

@@ -12,7 +12,7 @@ use super::disc::circle_bounds;
 use super::frame::{around, longitude};
 use crate::bounds::Bounds;
 use crate::ray::LocalRay;
-use crate::shape::{Crossing, LocalSurface, Root};
+use crate::shape::{Crossing, LocalSurface, Root, SurfacePoint};
 
 /// Part of the curved side.
 pub(crate) const SIDE: u32 = 0;
@@ -246,13 +246,33 @@ impl Frustum {
         }
     }
 
-    /// `p` is the offset from the axis, `u` and `v` the directions of the coordinates.
-    fn cap(&self, p: DVec3, u: DVec3, v: DVec3, normal: DVec3) -> LocalSurface {
+    /// See [`crate::Shape::surface_point`].
+    pub fn surface_point(&self, point: DVec3, part: u32) -> SurfacePoint {
+        let offset = point - self.base;
+        let y = offset.dot(self.axis);
+        let p = offset - self.axis * y;
+        match part {
+            BASE => self.cap_point(p, -self.axis).1,
+            TOP => self.cap_point(p, self.axis).1,
+            _ => self.side_point(p, y, || around(self.axis).1).2,
+        }
+    }
+
+    /// `p` is the offset from the axis; also returns it within the cap.
+    fn cap_point(&self, p: DVec3, normal: DVec3) -> (DVec3, SurfacePoint) {
         let at_top = normal == self.axis;
         let radius = if at_top { self.top_radius } else { self.radius };
         let center = if at_top { self.base + self.axis * self.height } else { self.base };
         let rho = p.length();
         let p = if rho > radius { p * (radius / rho) } else { p };
+        let point = center + p;
+        (p, SurfacePoint { point, error: self.error, normal, shading_normal: normal })
+    }
+
+    /// `p` is the offset from the axis, `u` and `v` the directions of the coordinates.
+    fn cap(&self, p: DVec3, u: DVec3, v: DVec3, normal: DVec3) -> LocalSurface {
+        let radius = if normal == self.axis { self.top_radius } else { self.radius };
+        let (p, SurfacePoint { point, error, normal, shading_normal }) = self.cap_point(p, normal);
         let diameter = 2.0 * radius;
         let uv = if diameter > 0.0 {
             DVec2::new(0.5 + p.dot(u) / diameter, 0.5 + p.dot(v) / diameter)
@@ -260,32 +280,47 @@ impl Frustum {
             DVec2::splat(0.5)
         };
         LocalSurface {
-            point: center + p,
-            error: self.error,
+            point,
+            error,
             normal,
-            shading_normal: normal,
+            shading_normal,
             uv: uv.clamp(DVec2::ZERO, DVec2::ONE),
             dpdu: u * diameter,
             dpdv: v * diameter,
         }
     }
 
-    fn side(&self, p: DVec3, y: f64, x: DVec3, z: DVec3) -> LocalSurface {
+    /// `p` is the offset from the axis, `y` the height, `fallback` a direction for points on the axis; also
+    /// returns the direction away from the axis and the share of the height.
+    fn side_point(
+        &self,
+        p: DVec3,
+        y: f64,
+        fallback: impl FnOnce() -> DVec3,
+    ) -> (DVec3, f64, SurfacePoint) {
         // Next to the axis `p` is mostly rounding and need not be at right angles to it.
         let outward = normalize(p).map(|o| o - self.axis * o.dot(self.axis));
-        let outward = outward.and_then(normalize).unwrap_or(z);
+        let outward = outward.and_then(normalize).unwrap_or_else(fallback);
         // To the nearest point of the side's line, and not beyond its ends.
         let above = self.cos * p.length() - self.s(y);
         let y = (y - self.sin * above).clamp(0.0, self.height);
         let v = y / self.height;
         let rho = self.radius * (1.0 - v) + self.top_radius * v;
         let normal = outward * self.cos + self.axis * self.sin;
+        let point = self.base + (self.axis * y + outward * rho);
+        (outward, v, SurfacePoint { point, error: self.error, normal, shading_normal: normal })
+    }
+
+    fn side(&self, p: DVec3, y: f64, x: DVec3, z: DVec3) -> LocalSurface {
+        let (outward, v, at) = self.side_point(p, y, || z);
+        let SurfacePoint { point, error, normal, shading_normal } = at;
+        let rho = self.radius * (1.0 - v) + self.top_radius * v;
         let (sin_a, cos_a) = (outward.dot(x), outward.dot(z));
         LocalSurface {
-            point: self.base + (self.axis * y + outward * rho),
-            error: self.error,
+            point,
+            error,
             normal,
-            shading_normal: normal,
+            shading_normal,
             uv: DVec2::new(longitude(sin_a, cos_a), v),
             dpdu: (x * cos_a - z * sin_a) * (2.0 * PI * rho),
             dpdv: self.axis * self.height + outward * (self.top_radius - self.radius),

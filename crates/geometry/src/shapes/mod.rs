@@ -7,7 +7,7 @@ use dioptric_scene::{Args, Diagnostic, Schema};
 
 use crate::bounds::Bounds;
 use crate::ray::LocalRay;
-use crate::shape::{Crossing, LocalSurface, Root, Shape};
+use crate::shape::{Crossing, LocalSurface, Root, Shape, SurfacePoint};
 
 pub mod cone;
 mod convex;
@@ -92,6 +92,12 @@ macro_rules! registry {
             pub fn surface(&self, point: DVec3, part: u32) -> LocalSurface {
                 match self { $(Self::$variant(s) => s.surface(point, part),)* }
             }
+
+            /// See [`Shape::surface_point`].
+            #[must_use]
+            pub fn surface_point(&self, point: DVec3, part: u32) -> SurfacePoint {
+                match self { $(Self::$variant(s) => s.surface_point(point, part),)* }
+            }
         }
     };
 }
@@ -142,5 +148,9 @@ impl<S: Shape> Shape for Box<S> {
 
     fn surface(&self, point: DVec3, part: u32) -> LocalSurface {
         (**self).surface(point, part)
+    }
+
+    fn surface_point(&self, point: DVec3, part: u32) -> SurfacePoint {
+        (**self).surface_point(point, part)
     }
 }

@@ -10,7 +10,7 @@ use super::frame::around;
 use super::sheared::{Shear, area};
 use crate::bounds::Bounds;
 use crate::ray::LocalRay;
-use crate::shape::{Crossing, LocalSurface, Root, Shape};
+use crate::shape::{Crossing, LocalSurface, Root, Shape, SurfacePoint};
 
 /// Corners may lie off the common plane by this share of the polygon's size, and by [`OFF_PLACE`] of
 /// their coordinates: as much as numbers written with five or six digits do.
@@ -240,6 +240,18 @@ impl Shape for Polygon {
             uv: uv.clamp(DVec2::ZERO, DVec2::ONE),
             dpdu: x * self.uv_size.x,
             dpdv: -z * self.uv_size.y,
+        }
+    }
+
+    fn surface_point(&self, point: DVec3, _part: u32) -> SurfacePoint {
+        let normal = self.normal;
+        let offset = point - self.center;
+        let offset = offset - normal * offset.dot(normal);
+        SurfacePoint {
+            point: self.center + offset,
+            error: self.error,
+            normal,
+            shading_normal: normal,
         }
     }
 }

@@ -11,7 +11,7 @@ use super::convex::{Chord, root};
 use super::frame::longitude;
 use crate::bounds::Bounds;
 use crate::ray::LocalRay;
-use crate::shape::{Crossing, LocalSurface, Root, Shape};
+use crate::shape::{Crossing, LocalSurface, Root, Shape, SurfacePoint};
 
 /// A closed ball's surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -115,10 +115,8 @@ impl Shape for Sphere {
         }
     }
 
-    fn surface(&self, point: DVec3, _part: u32) -> LocalSurface {
-        let normal = normalize(point - self.center).unwrap_or(DVec3::Y);
-        let point = self.center + normal * self.radius;
-        let error = self.error();
+    fn surface(&self, point: DVec3, part: u32) -> LocalSurface {
+        let SurfacePoint { point, error, normal, shading_normal } = self.surface_point(point, part);
         let uv =
             DVec2::new(longitude(normal.x, normal.z), asin(normal.y.clamp(-1.0, 1.0)) / PI + 0.5);
         // Derivatives of (sin a cos b, sin b, cos a cos b) with a = 2 pi (u - 1/2), b = pi (v - 1/2).
@@ -127,6 +125,12 @@ impl Shape for Sphere {
             if cos_b > 0.0 { (normal.x / cos_b, normal.z / cos_b) } else { (0.0, 1.0) };
         let dpdu = DVec3::new(cos_a * cos_b, 0.0, -sin_a * cos_b) * (2.0 * PI * self.radius);
         let dpdv = DVec3::new(-sin_a * normal.y, cos_b, -cos_a * normal.y) * (PI * self.radius);
-        LocalSurface { point, error, normal, shading_normal: normal, uv, dpdu, dpdv }
+        LocalSurface { point, error, normal, shading_normal, uv, dpdu, dpdv }
+    }
+
+    fn surface_point(&self, point: DVec3, _part: u32) -> SurfacePoint {
+        let normal = normalize(point - self.center).unwrap_or(DVec3::Y);
+        let point = self.center + normal * self.radius;
+        SurfacePoint { point, error: self.error(), normal, shading_normal: normal }
     }
 }

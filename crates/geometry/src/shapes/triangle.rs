@@ -9,7 +9,7 @@ use super::convex::{plane_root, root};
 use super::sheared::{Shear, area, triangle_normal};
 use crate::bounds::Bounds;
 use crate::ray::LocalRay;
-use crate::shape::{Crossing, LocalSurface, Root, Shape};
+use crate::shape::{Crossing, LocalSurface, Root, Shape, SurfacePoint};
 
 /// A flat triangle, hit from both sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -94,6 +94,21 @@ impl Triangle {
     }
 }
 
+impl Triangle {
+    /// The point with these weights of the corners.
+    fn at(&self, weights: [f64; 3]) -> SurfacePoint {
+        let [a, b, c] = self.corners;
+        let (e, f) = (b - a, c - a);
+        let blend = |v: [DVec3; 3]| v[0] * weights[0] + v[1] * weights[1] + v[2] * weights[2];
+        SurfacePoint {
+            point: a + (e * weights[1] + f * weights[2]),
+            error: gamma(8) * (a.abs() + e.abs() + f.abs()).max_element(),
+            normal: self.normal,
+            shading_normal: self.normals.and_then(|n| normalize(blend(n))).unwrap_or(self.normal),
+        }
+    }
+}
+
 impl Shape for Triangle {
     const SCHEMA: &'static Schema = &SCHEMA;
 
@@ -149,8 +164,6 @@ impl Shape for Triangle {
         let weights = barycentric(self.corners, self.normal, point);
         let [a, b, c] = self.corners;
         let (e, f) = (b - a, c - a);
-        let blend = |v: [DVec3; 3]| v[0] * weights[0] + v[1] * weights[1] + v[2] * weights[2];
-        let shading_normal = self.normals.and_then(|n| normalize(blend(n))).unwrap_or(self.normal);
         let [uv_a, uv_b, uv_c] = self.uvs;
         let (g, h) = (uv_b - uv_a, uv_c - uv_a);
         let turn = g.x * h.y - g.y * h.x;
@@ -161,15 +174,20 @@ impl Shape for Triangle {
         } else {
             orthonormal_basis(self.normal)
         };
+        let SurfacePoint { point, error, normal, shading_normal } = self.at(weights);
         LocalSurface {
-            point: a + (e * weights[1] + f * weights[2]),
-            error: gamma(8) * (a.abs() + e.abs() + f.abs()).max_element(),
-            normal: self.normal,
+            point,
+            error,
+            normal,
             shading_normal,
             uv: uv_a + (g * weights[1] + h * weights[2]),
             dpdu,
             dpdv,
         }
+    }
+
+    fn surface_point(&self, point: DVec3, _part: u32) -> SurfacePoint {
+        self.at(barycentric(self.corners, self.normal, point))
     }
 }
 

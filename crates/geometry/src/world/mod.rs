@@ -6,6 +6,7 @@
 //! tolerances come from the ray's and the surfaces' error bounds and from the rounding of the
 //! transforms, so that worlds scaled or moved answer the same.
 
+mod batch;
 mod builder;
 mod query;
 
@@ -15,9 +16,11 @@ use dioptric_math::{DAffine3, DVec2, DVec3};
 use crate::bounds::Bounds;
 use crate::bvh::{BoxRay, Bvh};
 use crate::ray::HitId;
+use crate::shape::SurfacePoint;
 use crate::shapes::AnyShape;
 use crate::transform::Transform;
 
+pub use batch::Query;
 pub use builder::{GroupId, PlacementError, WorldBuilder};
 
 /// Marks objects and instances without a transform.
@@ -53,6 +56,13 @@ pub struct Surface {
     pub local_point: DVec3,
     /// The unit normal in the object's own space.
     pub local_normal: DVec3,
+}
+
+impl From<Surface> for SurfacePoint {
+    fn from(s: Surface) -> Self {
+        let Surface { point, error, normal, shading_normal, .. } = s;
+        Self { point, error, normal, shading_normal }
+    }
 }
 
 /// A shape in its place.

@@ -4,7 +4,7 @@
 use super::{Hit, Instance, Level, Object, Surface, World};
 use crate::bvh::{Counter, NoCount};
 use crate::ray::{Contacts, Departure, HitId, Leaving, LocalRay, Ray};
-use crate::shape::{Crossing, Root};
+use crate::shape::{Crossing, Root, SurfacePoint};
 use crate::transform::Transform;
 
 /// A shape's surface that is crossed more often than this by one ray is cut off there.
@@ -101,6 +101,19 @@ impl World {
         self.blocked(ray, t_max, departure, contacts, &mut NoCount)
     }
 
+    /// Any one of the things that [`Self::occluded_past`] asks for: which one is not specified, but it is the
+    /// same for the same world and ray.
+    #[must_use]
+    pub fn blocker_past(
+        &self,
+        ray: &Ray,
+        t_max: f64,
+        departure: Option<&Departure>,
+        contacts: Contacts,
+    ) -> Option<HitId> {
+        self.any(ray, t_max, departure, contacts, &mut NoCount)
+    }
+
     fn blocked<C: Counter>(
         &self,
         ray: &Ray,
@@ -109,10 +122,22 @@ impl World {
         contacts: Contacts,
         counter: &mut C,
     ) -> bool {
-        let mut found = false;
+        self.any(ray, t_max, departure, contacts, counter).is_some()
+    }
+
+    fn any<C: Counter>(
+        &self,
+        ray: &Ray,
+        t_max: f64,
+        departure: Option<&Departure>,
+        contacts: Contacts,
+        counter: &mut C,
+    ) -> Option<HitId> {
+        let mut found = None;
         self.visit(ray, t_max, departure, counter, |instance, object, local| {
-            found = meet(instance, object, local, contacts).is_some_and(|root| root.t < t_max);
-            (!found).then_some(local.t_max)
+            let root = meet(instance, object, local, contacts).filter(|root| root.t < t_max);
+            found = root.map(|root| HitId { instance, object: object.id, part: root.part });
+            found.is_none().then_some(local.t_max)
         });
         found
     }
@@ -166,6 +191,25 @@ impl World {
         Some(Hit { t: root.t, id: HitId { instance, object, part: root.part } })
     }
 
+    /// The surface at a hit of `ray`, without coordinates: [`Self::surface`] to the last bit. `None` where the
+    /// hit is not of this world.
+    #[must_use]
+    pub fn surface_point(&self, ray: &Ray, hit: &Hit) -> Option<SurfacePoint> {
+        let object = self.object(hit.id.object)?;
+        let of_instance = match hit.id.instance {
+            HitId::NO_INSTANCE => None,
+            id => self.transform(self.instance(id)?.transform),
+        };
+        let of_object = self.transform(object.transform);
+        if of_instance.is_none() && of_object.is_none() {
+            return Some(object.shape.surface_point(ray.at(hit.t), hit.id.part));
+        }
+        let local = into(of_object, &into(of_instance, &LocalRay::whole(ray)));
+        let own = object.shape.surface_point(local.at(hit.t), hit.id.part);
+        let placed = of_object.map_or(own, |t| t.surface_point_to_world(&own));
+        Some(of_instance.map_or(placed, |t| t.surface_point_to_world(&placed)))
+    }
+
     /// The surface at a hit of `ray`. `None` where the hit is not of this world.
     #[must_use]
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> Option<Surface> {
@@ -175,14 +219,7 @@ impl World {
             id => self.transform(self.instance(id)?.transform),
         };
         let of_object = self.transform(object.transform);
-        let mut local = LocalRay {
-            origin: ray.origin,
-            direction: ray.direction,
-            error: ray.error,
-            t_max: hit.t,
-            leaving: None,
-        };
-        local = into(of_object, &into(of_instance, &local));
+        let local = into(of_object, &into(of_instance, &LocalRay::whole(ray)));
         let own = object.shape.surface(local.at(hit.t), hit.id.part);
         let placed = of_object.map_or(own, |t| t.surface_to_world(&own));
         let s = of_instance.map_or(placed, |t| t.surface_to_world(&placed));

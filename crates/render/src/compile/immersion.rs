@@ -29,7 +29,7 @@ pub(super) fn around_camera(scene: &Scene) -> Vec<Medium> {
         if !solid || shading.surface.normal.dot(ray.direction) <= 0.0 {
             continue;
         }
-        let (inner, absorption) = match shading.material.finish(&shading.point).optics {
+        let (inner, absorption) = match shading.finish.optics {
             // Relative to what is around it.
             Optics::Shares { ior: relative, absorption, .. } => (ior * relative, absorption),
             Optics::Dielectric { ior, absorption, .. } => (ior, absorption),

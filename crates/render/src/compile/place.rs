@@ -12,7 +12,7 @@ use dioptric_scene::{Args, Category, Description, Diagnostic, NodeId};
 use crate::build::Builder;
 use crate::material::AnyMaterial;
 use crate::material::matte::Matte;
-use crate::scene::{LEAF_SHIFT, ObjectInfo};
+use crate::scene::{LEAF_SHIFT, ObjectInfo, SceneMaterial};
 
 /// Groups in groups deeper than this are refused: the walk is recursive.
 const MAX_DEPTH: usize = 200;
@@ -25,7 +25,7 @@ const MAX_ERRORS: usize = 20;
 pub(super) struct Placed {
     pub world: World,
     pub objects: Vec<ObjectInfo>,
-    pub materials: Vec<AnyMaterial>,
+    pub materials: Vec<SceneMaterial>,
     pub leaf_materials: Vec<u32>,
     pub instances: Vec<NodeId>,
 }
@@ -40,7 +40,7 @@ pub(super) struct Places<'a, 'b> {
     /// How many objects or leaves each shape node is, itself written out. Nodes can share members, so
     /// that sixty groups of two are 2^60 spheres: known before anything is built.
     expanded: Vec<u32>,
-    materials: Vec<AnyMaterial>,
+    materials: Vec<SceneMaterial>,
     material_of: HashMap<Option<NodeId>, u32>,
     groups: HashMap<(NodeId, u32), GroupId>,
     objects: Vec<ObjectInfo>,
@@ -79,6 +79,7 @@ impl<'a, 'b> Places<'a, 'b> {
             expanded[i] = members.max(1);
         }
         let grey = AnyMaterial::Matte(Matte::new(Spectrum::splat(0.5)));
+        let grey = SceneMaterial::new(grey, true);
         Self {
             d,
             builder,
@@ -131,8 +132,10 @@ impl<'a, 'b> Places<'a, 'b> {
         if let Some(&index) = self.material_of.get(&Some(id)) {
             return Ok(index);
         }
+        let used = self.builder.patterns_used;
         let material = AnyMaterial::from_args(&Args::new(self.d, id), self.builder)?;
-        self.materials.push(material);
+        let uniform = self.builder.patterns_used == used;
+        self.materials.push(SceneMaterial::new(material, uniform));
         let index = self.materials.len() as u32 - 1;
         self.material_of.insert(Some(id), index);
         Ok(index)
@@ -240,7 +243,7 @@ impl<'a, 'b> Places<'a, 'b> {
             first
         };
         self.world.object(shape, context.placement).map_err(|e| placement_diagnostic(args, &e))?;
-        self.objects.push(ObjectInfo { node: args.id, material });
+        self.objects.push(ObjectInfo { node: args.id, material, combined: leaves > 0 });
         Ok(())
     }
 }

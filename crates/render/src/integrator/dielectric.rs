@@ -8,7 +8,7 @@ use super::media::{Inside, Medium};
 use super::optics::fresnel;
 use super::point::Point;
 use super::recorder::{RayKind, Recorder};
-use super::whitted::{State, Whitted};
+use super::whitted::{Met, Whitted, facet_for};
 
 /// What tints and spreads the two rays.
 #[derive(Clone, Copy)]
@@ -25,23 +25,20 @@ struct Sides {
     far: Inside,
 }
 
-impl<'a, R: Recorder> Whitted<'a, R> {
-    /// The value of a dielectric's surface.
-    pub(super) fn dielectric(
-        &mut self,
-        point: &Point,
-        medium: &Medium,
-        how: Dielectric,
-        state: &State,
-    ) -> Spectrum {
+impl<R: Recorder> Whitted<'_, '_, R> {
+    /// Splits a ray at a dielectric's surface.
+    pub(super) fn dielectric(&mut self, met: &mut Met, medium: &Medium, how: Dielectric) {
+        let id = self.nodes[met.node].id;
+        let facet = facet_for(&met.point, how.roughness, &mut met.stream);
+        let met = &*met;
+        let (point, inside) = (&met.point, met.state.inside);
         let solid = point.is_solid(self.scene);
         // Light of its own (highlights) and tints are met on the outside; a pane has two outsides.
         let outside = point.outside || !solid;
-        let mut value = if outside { self.own(point) } else { Spectrum::ZERO };
-        let sides = self.sides(point, medium, state.inside, solid);
+        self.nodes[met.node].own = met.own;
+        let sides = self.sides(point, medium, inside, solid);
         let eta = sides.ior[0] / sides.ior[1];
         let d = point.ray.direction;
-        let facet = self.facet(point, how.roughness);
         let through = if solid { point.refracted(facet, eta) } else { Some(d) };
         let mut reflected = if through.is_none() { 1.0 } else { fresnel(-d.dot(facet), eta) };
         if !solid {
@@ -49,7 +46,7 @@ impl<'a, R: Recorder> Whitted<'a, R> {
             // (Born and Wolf, "Principles of Optics", 7th ed., section 7.6.1, without interference.)
             reflected = 2.0 * reflected / (1.0 + reflected);
         }
-        self.recorder.note("fresnel", || {
+        self.recorder.note(id, "fresnel", || {
             json!({
                 "ior_from": sides.ior[0],
                 "ior_to": sides.ior[1],
@@ -61,14 +58,13 @@ impl<'a, R: Recorder> Whitted<'a, R> {
             if outside { (how.reflect, how.transmit) } else { (Spectrum::ONE, Spectrum::ONE) };
         if reflected > 0.0 {
             let leg = point.back(point.mirrored(facet));
-            value += self.follow(RayKind::Reflected, leg, tint_back * reflected, state, sides.near);
+            self.follow(met, 0, RayKind::Reflected, leg, tint_back * reflected, sides.near);
         }
         if let Some(direction) = through {
             let weight = tint_on * (1.0 - reflected);
-            value +=
-                self.follow(RayKind::Transmitted, point.on(direction), weight, state, sides.far);
+            let leg = point.on(direction);
+            self.follow(met, 1, RayKind::Transmitted, leg, weight, sides.far);
         }
-        value
     }
 
     fn sides(&mut self, point: &Point, medium: &Medium, inside: Inside, solid: bool) -> Sides {

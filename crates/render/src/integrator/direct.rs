@@ -3,29 +3,29 @@
 //! behind its shadow.
 
 use dioptric_geometry::HitId;
+use dioptric_geometry::world::Query;
 use dioptric_math::{DVec3, Spectrum, normalize, pow, powi};
 use serde_json::{Value, json};
 
-use super::point::Point;
+use super::point::{Leg, Point};
 use super::recorder::Recorder;
-use super::whitted::Whitted;
-use crate::light::LightSample;
+use super::whitted::{Met, Whitted};
 use crate::material::{Highlight, HighlightModel};
 use crate::scene::PlacedLight;
 use crate::setting::render::Shadows;
 
-/// One light's two terms, before and behind its shadow.
+/// Shadow rays that are cast together.
+const TOGETHER: usize = 512;
+
+/// What a recorder wants to know of one light at one point.
 #[derive(Default)]
-struct Lit {
-    diffuse: Spectrum,
-    highlight: Spectrum,
+struct Told {
     diffuse_unshadowed: Spectrum,
     highlight_unshadowed: Spectrum,
     cosine: f64,
     /// Samples that are not behind the surface.
     in_front: u32,
     visibility: Spectrum,
-    /// For a recorder only.
     blockers: Vec<Blocker>,
 }
 
@@ -39,120 +39,140 @@ struct Blocker {
     rays: u32,
 }
 
-impl<'a, R: Recorder> Whitted<'a, R> {
-    /// The lit sum: ambient, emission, and every light.
-    pub(super) fn own(&mut self, point: &Point) -> Spectrum {
+/// What one sample of a light adds to a point if nothing is between.
+struct Task {
+    /// Which of the points.
+    of: usize,
+    share: f64,
+    diffuse: Spectrum,
+    highlight: Spectrum,
+}
+
+/// One light's two terms at one point, behind its shadow.
+#[derive(Clone, Copy, Default)]
+struct Sum {
+    diffuse: Spectrum,
+    highlight: Spectrum,
+}
+
+/// Memory that lighting uses again.
+#[derive(Default)]
+pub(super) struct Scratch {
+    queries: Vec<Query>,
+    tasks: Vec<Task>,
+    blockers: Vec<Option<HitId>>,
+    sums: Vec<Sum>,
+    told: Vec<Told>,
+}
+
+impl<R: Recorder> Whitted<'_, '_, R> {
+    /// Works out the own colours: ambient, emission, and every light.
+    pub(super) fn light(&mut self, points: &mut [Met], scratch: &mut Scratch) {
         let scene = self.scene;
-        let finish = &point.finish;
-        let mut sum = scene.ambient * finish.ambient;
-        if sum != Spectrum::ZERO {
-            self.recorder.term("ambient", sum, || {
-                (None, json!({"ambient": scene.ambient.to_array(), "color": finish.ambient.to_array()}))
-            });
-        }
-        if finish.emission != Spectrum::ZERO {
-            sum += finish.emission;
-            self.recorder.term("emission", finish.emission, || (None, json!({})));
-        }
-        if finish.diffuse == Spectrum::ZERO && finish.highlight.is_none() {
-            return sum;
+        for met in points.iter_mut().filter(|met| met.wants_own) {
+            let (id, finish) = (self.nodes[met.node].id, &met.point.finish);
+            let mut sum = scene.ambient * finish.ambient;
+            if sum != Spectrum::ZERO {
+                self.recorder.term(id, "ambient", sum, || {
+                    (None, json!({"ambient": scene.ambient.to_array(), "color": finish.ambient.to_array()}))
+                });
+            }
+            if finish.emission != Spectrum::ZERO {
+                sum += finish.emission;
+                self.recorder.term(id, "emission", finish.emission, || (None, json!({})));
+            }
+            met.own = sum;
         }
         for placed in &scene.lights {
-            sum += self.one_light(point, placed);
+            self.one_light(points, placed, scratch);
         }
-        sum
     }
 
-    /// The mean over the light's samples.
-    fn one_light(&mut self, point: &Point, placed: &PlacedLight) -> Spectrum {
+    /// Adds the mean over the light's samples to each point.
+    fn one_light(&mut self, points: &mut [Met], placed: &PlacedLight, scratch: &mut Scratch) {
         let n = placed.light.samples().max(1);
-        let mut lit = Lit::default();
-        if n == 1 {
-            let u = self.stream.next_2d();
-            self.light_sample(point, placed, u, 1.0, &mut lit);
-        } else {
-            let share = 1.0 / f64::from(n);
-            for u in self.stream.pairs(n) {
-                self.light_sample(point, placed, u, share, &mut lit);
+        let share = 1.0 / f64::from(n);
+        scratch.sums.clear();
+        scratch.sums.resize(points.len(), Sum::default());
+        if R::ENABLED {
+            scratch.told.clear();
+            scratch.told.resize_with(points.len(), Told::default);
+        }
+        for (of, met) in points.iter_mut().enumerate() {
+            if !lit(met) {
+                continue;
+            }
+            if n > 1 {
+                for u in met.stream.pairs(n) {
+                    light_sample::<R>(&met.point, of, placed, u, share, scratch);
+                }
+            } else if placed.light.is_sharp() {
+                met.stream.skip();
+                light_sample::<R>(&met.point, of, placed, [0.5; 2], 1.0, scratch);
+            } else {
+                let u = met.stream.next_2d();
+                light_sample::<R>(&met.point, of, placed, u, 1.0, scratch);
+            }
+            if scratch.tasks.len() >= TOGETHER {
+                self.cast_shadows(scratch);
             }
         }
-        if R::ENABLED {
-            self.tell(point, placed, n, &mut lit);
-        }
-        lit.diffuse + lit.highlight
-    }
-
-    fn light_sample(
-        &mut self,
-        point: &Point,
-        placed: &PlacedLight,
-        u: [f64; 2],
-        share: f64,
-        lit: &mut Lit,
-    ) {
-        let Some(light) = placed.light.sample(point.shading.surface.point, u) else { return };
-        let cosine = point.normal.dot(light.direction);
-        lit.cosine += share * cosine;
-        // A light behind the surface sends nothing, and no ray is cast; NaN is behind. A bent normal (bumps,
-        // vertex normals) may see a light that the true surface hides.
-        if !(cosine > 0.0 && point.geometric().dot(light.direction) > 0.0) {
-            return;
-        }
-        lit.in_front += 1;
-        let arriving = light.arriving * share;
-        let diffuse = point.finish.diffuse * arriving * cosine;
-        let highlight = match &point.finish.highlight {
-            Some(h) => {
-                h.color
-                    * arriving
-                    * strength(h, point.normal, light.direction, -point.ray.direction)
+        self.cast_shadows(scratch);
+        for (of, met) in points.iter_mut().enumerate() {
+            if lit(met) {
+                let sum = scratch.sums[of];
+                met.own += sum.diffuse + sum.highlight;
+                if R::ENABLED {
+                    let id = self.nodes[met.node].id;
+                    self.tell(id, &met.point, placed, n, &sum, &mut scratch.told[of]);
+                }
             }
-            None => Spectrum::ZERO,
-        };
-        lit.diffuse_unshadowed += diffuse;
-        lit.highlight_unshadowed += highlight;
-        if diffuse + highlight == Spectrum::ZERO {
-            return;
-        }
-        let visibility = self.visibility(point, &light);
-        lit.visibility += visibility * share;
-        lit.diffuse += diffuse * visibility;
-        lit.highlight += highlight * visibility;
-        if R::ENABLED {
-            self.list_blockers(point, &light, &mut lit.blockers);
         }
     }
 
-    /// What of a light passes on its way to a point: 1 where nothing is between.
-    fn visibility(&mut self, point: &Point, light: &LightSample) -> Spectrum {
-        let leg = point.back(light.direction);
+    /// Finds out what of the samples arrives, and adds it.
+    fn cast_shadows(&mut self, scratch: &mut Scratch) {
         let scene = self.scene;
-        let departure = Some(&leg.departure);
-        match scene.settings.shadows {
-            Shadows::None => Spectrum::ONE,
-            Shadows::Opaque => {
-                self.counts.shadow += 1;
-                let world = &scene.world;
-                let blocked =
-                    world.occluded_past(&leg.ray, light.distance, departure, leg.contacts);
-                if blocked { Spectrum::ZERO } else { Spectrum::ONE }
-            }
-            Shadows::Tinted => {
-                self.counts.shadow += 1;
-                scene.tinted(&leg, light.distance)
+        let Scratch { queries, tasks, blockers, sums, told } = scratch;
+        let shadows = scene.settings.shadows;
+        if shadows == Shadows::None {
+            blockers.clear();
+            blockers.resize(queries.len(), None);
+        } else {
+            self.counts.shadow += queries.len() as u64;
+            scene.world.blocker_each(queries, blockers);
+        }
+        for ((query, task), blocker) in queries.iter().zip(tasks.iter()).zip(blockers.iter()) {
+            let visibility = match blocker {
+                None => Spectrum::ONE,
+                Some(id) if shadows == Shadows::Opaque || scene.is_opaque(*id) => Spectrum::ZERO,
+                Some(_) => {
+                    Leg::of(query).map_or(Spectrum::ONE, |leg| scene.tinted(&leg, query.t_max))
+                }
+            };
+            let sum = &mut sums[task.of];
+            sum.diffuse += task.diffuse * visibility;
+            sum.highlight += task.highlight * visibility;
+            if R::ENABLED {
+                let told = &mut told[task.of];
+                told.visibility += visibility * task.share;
+                self.list_blockers(query, &mut told.blockers);
             }
         }
+        queries.clear();
+        tasks.clear();
     }
 
     /// Notes every object between a point and a light.
-    fn list_blockers(&self, point: &Point, light: &LightSample, out: &mut Vec<Blocker>) {
+    fn list_blockers(&self, query: &Query, out: &mut Vec<Blocker>) {
         let opaque = match self.scene.settings.shadows {
             Shadows::None => return,
             Shadows::Opaque => true,
             Shadows::Tinted => false,
         };
         let mut met: Vec<Blocker> = Vec::new();
-        self.scene.passages(&point.back(light.direction), light.distance, |hit, factor| {
+        let Some(leg) = Leg::of(query) else { return };
+        self.scene.passages(&leg, query.t_max, |hit, factor| {
             let passes = if opaque { Spectrum::ZERO } else { factor };
             match met.iter_mut().find(|b| b.id.same_object(&hit.id)) {
                 Some(known) => known.passes *= passes,
@@ -172,7 +192,15 @@ impl<'a, R: Recorder> Whitted<'a, R> {
         }
     }
 
-    fn tell(&mut self, point: &Point, placed: &PlacedLight, samples: u32, lit: &mut Lit) {
+    fn tell(
+        &mut self,
+        id: R::Id,
+        point: &Point,
+        placed: &PlacedLight,
+        samples: u32,
+        sum: &Sum,
+        lit: &mut Told,
+    ) {
         lit.blockers.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.id.cmp(&b.id)));
         let scene = self.scene;
         let blocker = |b: &Blocker| {
@@ -199,16 +227,62 @@ impl<'a, R: Recorder> Whitted<'a, R> {
             })
         };
         if point.finish.diffuse != Spectrum::ZERO {
-            self.recorder.term("diffuse", lit.diffuse, || {
+            self.recorder.term(id, "diffuse", sum.diffuse, || {
                 (Some(label.clone()), detail(lit.diffuse_unshadowed))
             });
         }
         if lit.highlight_unshadowed != Spectrum::ZERO {
-            self.recorder.term("highlight", lit.highlight, || {
+            self.recorder.term(id, "highlight", sum.highlight, || {
                 (Some(label), detail(lit.highlight_unshadowed))
             });
         }
     }
+}
+
+/// Whether a point is lit by lights at all.
+fn lit(met: &Met) -> bool {
+    let finish = &met.point.finish;
+    met.wants_own && (finish.diffuse != Spectrum::ZERO || finish.highlight.is_some())
+}
+
+/// Takes one sample of a light, and asks for the ray to it if it could add something.
+fn light_sample<R: Recorder>(
+    point: &Point,
+    of: usize,
+    placed: &PlacedLight,
+    u: [f64; 2],
+    share: f64,
+    scratch: &mut Scratch,
+) {
+    let Some(light) = placed.light.sample(point.surface.point, u) else { return };
+    let cosine = point.normal.dot(light.direction);
+    if R::ENABLED {
+        scratch.told[of].cosine += share * cosine;
+    }
+    // A light behind the surface sends nothing, and no ray is cast; NaN is behind. A bent normal (bumps,
+    // vertex normals) may see a light that the true surface hides.
+    if !(cosine > 0.0 && point.geometric().dot(light.direction) > 0.0) {
+        return;
+    }
+    let arriving = light.arriving * share;
+    let diffuse = point.finish.diffuse * arriving * cosine;
+    let highlight = match &point.finish.highlight {
+        Some(h) => {
+            h.color * arriving * strength(h, point.normal, light.direction, -point.ray.direction)
+        }
+        None => Spectrum::ZERO,
+    };
+    if R::ENABLED {
+        let told = &mut scratch.told[of];
+        told.in_front += 1;
+        told.diffuse_unshadowed += diffuse;
+        told.highlight_unshadowed += highlight;
+    }
+    if diffuse + highlight == Spectrum::ZERO {
+        return;
+    }
+    scratch.queries.push(point.back(light.direction).query(light.distance));
+    scratch.tasks.push(Task { of, share, diffuse, highlight });
 }
 
 /// A highlight that is a smaller share of its light is none: nobody could see what its shadow ray costs.

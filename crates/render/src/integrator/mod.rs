@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! From a camera's ray to radiance.
+//! From cameras' rays to radiances.
 
 mod dielectric;
 pub mod direct;
@@ -9,8 +9,11 @@ pub mod passage;
 mod point;
 pub mod recorder;
 mod shadow;
+mod tree;
 pub mod view;
 pub mod whitted;
+
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use dioptric_geometry::Ray;
 
@@ -21,16 +24,23 @@ use crate::setting::render::Integrator;
 use crate::stats::RayCounts;
 use recorder::Recorder;
 
-/// The radiance of one camera ray, by the integrator that the scene's settings name.
-pub fn radiance<R: Recorder>(
+/// The radiances of camera rays, by the integrator that the scene's settings name; each is the same in every
+/// batch. Fewer than rays if cancelled meanwhile.
+pub fn radiances<R: Recorder>(
     scene: &Scene,
-    ray: &Ray,
-    stream: &mut Stream,
+    rays: Vec<(Ray, Stream)>,
     counts: &mut RayCounts,
     recorder: &mut R,
-) -> Radiance {
+    cancel: &AtomicBool,
+) -> Vec<Radiance> {
     match scene.settings.integrator {
-        Integrator::Whitted => whitted::Whitted::new(scene, stream, counts, recorder).radiance(ray),
-        other => view::radiance(other, scene, ray, stream, counts, recorder),
+        Integrator::Whitted => {
+            whitted::Whitted::new(scene, counts, recorder).radiances(rays.into_iter(), cancel)
+        }
+        other => rays
+            .into_iter()
+            .take_while(|_| !cancel.load(Ordering::Relaxed))
+            .map(|(ray, stream)| view::radiance(other, scene, &ray, stream, counts, recorder))
+            .collect(),
     }
 }

@@ -3,16 +3,16 @@
 //! ray enters. The way through the object, inner reflections included, counts as one bounce.
 
 use dioptric_geometry::world::Hit;
-use dioptric_geometry::{Contacts, HitId, Ray};
+use dioptric_geometry::{Contacts, HitId, Ray, SurfacePoint};
 use dioptric_math::Spectrum;
 use serde_json::{Value, json};
 
 use super::media::{Medium, absorbed};
 use super::optics::facing;
-use super::point::{Leg, Point, coincide, leave, mirrored, refracted};
+use super::point::{Leg, coincide, leave, mirrored, refracted};
 use super::recorder::{RayKind, Recorder};
-use super::whitted::{State, Whitted};
-use crate::material::{AnyMaterial, Optics};
+use super::whitted::{Met, Whitted};
+use crate::material::Optics;
 use crate::scene::Shading;
 
 /// Inner reflections that are followed before the light is given up as lost.
@@ -35,23 +35,25 @@ struct Passage {
     corners: Vec<Value>,
 }
 
-impl<'a, R: Recorder> Whitted<'a, R> {
-    /// The value of a surface that lets through by shares.
+impl<R: Recorder> Whitted<'_, '_, R> {
+    /// Sends the ray on through a surface that lets through by shares.
     pub(super) fn through_by_shares(
         &mut self,
-        point: &Point,
+        met: &Met,
         share: f64,
         ior: f64,
         tint: Spectrum,
         absorption: Spectrum,
-        state: &State,
-    ) -> Spectrum {
+    ) {
+        let point = &met.point;
+        let id = self.nodes[met.node].id;
         let medium = Medium { object: point.hit.id, ior, absorption };
         let solid = point.is_solid(self.scene);
         if solid && !point.outside {
             // From within (the camera is inside, or an object in there sent the ray): only the exit is left.
             // The way to here was weakened by whoever knows its length, if it was known to be inside.
-            let step = match exit(&point.ray, point.hit.id, &point.shading, ior) {
+            let surface = &point.surface;
+            let step = match exit(&point.ray, point.hit.id, surface, ior) {
                 Step::Out(leg) => {
                     Step::Out(Leg { contacts: point.on(leg.ray.direction).contacts, ..leg })
                 }
@@ -60,15 +62,13 @@ impl<'a, R: Recorder> Whitted<'a, R> {
                 }
             };
             let passage = self.pass(step, &medium);
-            return self.beyond(passage, Spectrum::ONE, &medium, state);
+            self.beyond(met, passage, Spectrum::ONE, &medium);
+            return;
         }
-        let own = if share > 0.0 {
-            let own = self.own(point) * share;
-            self.recorder.scale("own share", Spectrum::splat(share));
-            own
-        } else {
-            Spectrum::ZERO
-        };
+        if met.wants_own {
+            self.nodes[met.node].own = met.own * share;
+            self.recorder.scale(id, "own share", Spectrum::splat(share));
+        }
         let straight =
             |leg| Passage { end: End::Outside(leg), left: Spectrum::ONE, corners: Vec::new() };
         let passage = if solid {
@@ -76,7 +76,7 @@ impl<'a, R: Recorder> Whitted<'a, R> {
             match point.refracted(point.normal, 1.0 / ior) {
                 Some(direction) => self.pass(Step::In(point.on(direction)), &medium),
                 None => {
-                    self.recorder.note("total_external_reflection", || json!(true));
+                    self.recorder.note(id, "total_external_reflection", || json!(true));
                     straight(point.back(point.mirrored(point.normal)))
                 }
             }
@@ -84,35 +84,30 @@ impl<'a, R: Recorder> Whitted<'a, R> {
             // Without an inside there is no exit: straight on.
             straight(point.on(point.ray.direction))
         };
-        own + self.beyond(passage, tint * (1.0 - share), &medium, state)
+        self.beyond(met, passage, tint * (1.0 - share), &medium);
     }
 
-    /// What is seen behind the object.
-    fn beyond(
-        &mut self,
-        passage: Passage,
-        weight: Spectrum,
-        medium: &Medium,
-        state: &State,
-    ) -> Spectrum {
+    /// Sends the ray to what is seen behind the object.
+    fn beyond(&mut self, met: &Met, passage: Passage, weight: Spectrum, medium: &Medium) {
         let Passage { end, left, corners } = passage;
+        let id = self.nodes[met.node].id;
         self.recorder.note(
+            id,
             "passage",
             || json!({"ior": medium.ior, "transmittance": left.to_array(), "corners": corners}),
         );
         let weight = weight * left;
-        let outer = self.media.leave(state.inside, &medium.object);
+        let outer = self.media.leave(met.state.inside, &medium.object);
         match end {
-            End::Outside(leg) => self.follow(RayKind::Transmitted, leg, weight, state, outer),
+            End::Outside(leg) => self.follow(met, 0, RayKind::Transmitted, leg, weight, outer),
             End::Inside(leg) => {
                 // Its index is relative to what is around it; for what is inside of it that counts too.
                 let ior = medium.ior * self.media.ior(outer);
                 let inside = self.media.enter(outer, Medium { ior, ..*medium });
-                self.follow(RayKind::Transmitted, leg, weight, state, inside)
+                self.follow(met, 0, RayKind::Transmitted, leg, weight, inside);
             }
             End::Lost => {
-                self.recorder.note("inner_reflection_limit", || json!(INNER_REFLECTIONS));
-                Spectrum::ZERO
+                self.recorder.note(id, "inner_reflection_limit", || json!(INNER_REFLECTIONS));
             }
         }
     }
@@ -143,7 +138,7 @@ impl<'a, R: Recorder> Whitted<'a, R> {
                 return Passage { end: End::Inside(leg), left, corners };
             }
             left *= absorbed(medium.absorption, hit.t / scene.root.scale());
-            step = exit(ray, hit.id, &shading, medium.ior);
+            step = exit(ray, hit.id, &shading.surface, medium.ior);
             if R::ENABLED {
                 let reflected = matches!(step, Step::In(..));
                 corners.push(json!({
@@ -185,15 +180,11 @@ enum Step {
 /// Whether what is met from within is transparent by shares too: patches and parts of combined solids may
 /// differ.
 fn lets_out(shading: &Shading) -> bool {
-    match shading.material {
-        AnyMaterial::Clear(_) => true,
-        other => matches!(other.finish(&shading.point).optics, Optics::Shares { .. }),
-    }
+    matches!(shading.finish.optics, Optics::Shares { .. })
 }
 
 /// How a ray goes on at a point that was hit from within, of an object with this relative index.
-fn exit(ray: &Ray, from: HitId, shading: &Shading, ior: f64) -> Step {
-    let s = &shading.surface;
+fn exit(ray: &Ray, from: HitId, s: &SurfacePoint, ior: f64) -> Step {
     let d = ray.direction;
     let normal = facing(d, s.normal, s.shading_normal);
     let geometric = facing(d, s.normal, s.normal);

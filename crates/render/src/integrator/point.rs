@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A point being shaded, and the rays that leave it.
 
-use dioptric_geometry::world::{Hit, Surface};
-use dioptric_geometry::{Contacts, Departure, HitId, Ray};
+use std::borrow::Cow;
+
+use dioptric_geometry::world::{Hit, Query};
+use dioptric_geometry::{Contacts, Departure, HitId, Ray, SurfacePoint};
 use dioptric_math::DVec3;
 use dioptric_math::bounds::gamma;
 
@@ -20,12 +22,25 @@ pub(super) struct Leg {
     pub contacts: Contacts,
 }
 
+impl Leg {
+    /// The leg of a question that [`Self::query`] made.
+    pub fn of(query: &Query) -> Option<Self> {
+        let Query { ray, departure, contacts, .. } = *query;
+        departure.map(|departure| Self { ray, departure, contacts })
+    }
+
+    /// The question what is within a distance.
+    pub fn query(&self, t_max: f64) -> Query {
+        Query { ray: self.ray, t_max, departure: Some(self.departure), contacts: self.contacts }
+    }
+}
+
 /// A point being shaded, with the incoming ray.
 pub(super) struct Point<'a> {
     pub ray: Ray,
     pub hit: Hit,
-    pub shading: Shading<'a>,
-    pub finish: Finish,
+    pub surface: SurfacePoint,
+    pub finish: Cow<'a, Finish>,
     /// The shading normal, facing the incoming ray, on the side of [`Self::geometric`].
     pub normal: DVec3,
     /// Whether the ray comes from the side of the geometric normal: from outside of a solid.
@@ -37,18 +52,11 @@ pub(super) struct Point<'a> {
 impl<'a> Point<'a> {
     /// The point where a ray that left `departure` hit something.
     pub fn new(ray: &Ray, hit: Hit, shading: Shading<'a>, departure: Option<&Departure>) -> Self {
-        let s = &shading.surface;
-        let outside = ray.direction.dot(s.normal) <= 0.0;
-        let arrived = departure.filter(|_| touches(ray, &hit, s)).map(|d| d.from);
-        Self {
-            ray: *ray,
-            hit,
-            finish: shading.material.finish(&shading.point),
-            normal: facing(ray.direction, s.normal, s.shading_normal),
-            outside,
-            arrived,
-            shading,
-        }
+        let Shading { surface, finish } = shading;
+        let outside = ray.direction.dot(surface.normal) <= 0.0;
+        let arrived = departure.filter(|_| touches(ray, &hit, &surface)).map(|d| d.from);
+        let normal = facing(ray.direction, surface.normal, surface.shading_normal);
+        Self { ray: *ray, hit, surface, finish, normal, outside, arrived }
     }
 
     /// Whether the object has an inside.
@@ -78,12 +86,12 @@ impl<'a> Point<'a> {
 
     fn spawn(&self, direction: DVec3, crossed: bool) -> Leg {
         let contacts = Contacts { crossed, except: self.arrived };
-        Leg { contacts, ..leave(&self.ray, self.hit.id, &self.shading.surface, direction) }
+        Leg { contacts, ..leave(&self.ray, self.hit.id, &self.surface, direction) }
     }
 
     /// The geometric normal, facing the incoming ray.
     pub fn geometric(&self) -> DVec3 {
-        if self.outside { self.shading.surface.normal } else { -self.shading.surface.normal }
+        if self.outside { self.surface.normal } else { -self.surface.normal }
     }
 
     /// The incoming direction mirrored at a facet, on this side of the true surface.
@@ -99,7 +107,7 @@ impl<'a> Point<'a> {
 }
 
 /// A ray that leaves a surface and crosses all that touches it.
-pub(super) fn leave(incoming: &Ray, from: HitId, s: &Surface, direction: DVec3) -> Leg {
+pub(super) fn leave(incoming: &Ray, from: HitId, s: &SurfacePoint, direction: DVec3) -> Leg {
     Leg {
         ray: Ray { origin: s.point, direction, time: incoming.time, error: s.error },
         departure: Departure { from, outward: direction.dot(s.normal) > 0.0 },
@@ -122,7 +130,7 @@ pub(super) fn refracted(direction: DVec3, n: DVec3, geometric: DVec3, eta: f64) 
 }
 
 /// Whether a hit is where its ray begins, within the error bounds.
-pub(super) fn touches(ray: &Ray, hit: &Hit, s: &Surface) -> bool {
+pub(super) fn touches(ray: &Ray, hit: &Hit, s: &SurfacePoint) -> bool {
     hit.t * ray.direction.dot(s.normal).abs() <= s.error + ray.error
 }
 

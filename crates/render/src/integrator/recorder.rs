@@ -97,30 +97,38 @@ pub struct HitRecord {
     pub detail: Map<String, Value>,
 }
 
-/// Listens to an integrator. Calls nest: `begin` ... (`begin` ... `end`)* ... `end`.
+/// Which of the two further rays that a ray can cause.
+pub type Slot = u8;
+
+/// Listens to an integrator. Rays are followed in no particular order; a ray begins before those that it
+/// causes and ends after them.
 pub trait Recorder {
     /// Whether anything is kept. Integrators skip work that only a recorder would see.
     const ENABLED: bool;
 
-    /// A ray is cast.
-    fn begin(&mut self, kind: RayKind, ray: &Ray);
+    /// A ray that has begun.
+    type Id: Copy;
+
+    /// A ray is cast, caused by another one or by the camera.
+    fn begin(&mut self, above: Option<(Self::Id, Slot)>, kind: RayKind, ray: &Ray) -> Self::Id;
     /// The ray hit something.
-    fn hit(&mut self, record: impl FnOnce() -> HitRecord);
-    /// A fact about the present ray.
-    fn note(&mut self, name: &'static str, value: impl FnOnce() -> Value);
-    /// A fact about the present ray that there can be several of: they become a list.
-    fn also(&mut self, name: &'static str, value: impl FnOnce() -> Value);
-    /// A summand of the present ray's value.
+    fn hit(&mut self, id: Self::Id, record: impl FnOnce() -> HitRecord);
+    /// A fact about the ray.
+    fn note(&mut self, id: Self::Id, name: &'static str, value: impl FnOnce() -> Value);
+    /// A fact about the ray that there can be several of: they become a list.
+    fn also(&mut self, id: Self::Id, name: &'static str, value: impl FnOnce() -> Value);
+    /// A summand of the ray's value.
     fn term(
         &mut self,
+        id: Self::Id,
         name: &'static str,
         value: Spectrum,
         detail: impl FnOnce() -> (Option<String>, Value),
     );
-    /// Everything that the present ray has so far is multiplied, by what `name` says.
-    fn scale(&mut self, name: &'static str, factor: Spectrum);
-    /// The present ray is done and brings `value`; its parent counts it with `weight`.
-    fn end(&mut self, weight: Spectrum, value: Spectrum);
+    /// Everything that the ray has so far is multiplied, by what `name` says.
+    fn scale(&mut self, id: Self::Id, name: &'static str, factor: Spectrum);
+    /// The ray is done and brings `value`; who caused it counts it with `weight`.
+    fn end(&mut self, id: Self::Id, weight: Spectrum, value: Spectrum);
 }
 
 /// The recorder that keeps nothing.
@@ -128,21 +136,37 @@ pub struct Silent;
 
 impl Recorder for Silent {
     const ENABLED: bool = false;
+    type Id = ();
 
-    fn begin(&mut self, _: RayKind, _: &Ray) {}
-    fn hit(&mut self, _: impl FnOnce() -> HitRecord) {}
-    fn note(&mut self, _: &'static str, _: impl FnOnce() -> Value) {}
-    fn also(&mut self, _: &'static str, _: impl FnOnce() -> Value) {}
-    fn term(&mut self, _: &'static str, _: Spectrum, _: impl FnOnce() -> (Option<String>, Value)) {}
-    fn scale(&mut self, _: &'static str, _: Spectrum) {}
-    fn end(&mut self, _: Spectrum, _: Spectrum) {}
+    fn begin(&mut self, _: Option<((), Slot)>, _: RayKind, _: &Ray) {}
+    fn hit(&mut self, (): (), _: impl FnOnce() -> HitRecord) {}
+    fn note(&mut self, (): (), _: &'static str, _: impl FnOnce() -> Value) {}
+    fn also(&mut self, (): (), _: &'static str, _: impl FnOnce() -> Value) {}
+    fn term(
+        &mut self,
+        (): (),
+        _: &'static str,
+        _: Spectrum,
+        _: impl FnOnce() -> (Option<String>, Value),
+    ) {
+    }
+    fn scale(&mut self, (): (), _: &'static str, _: Spectrum) {}
+    fn end(&mut self, (): (), _: Spectrum, _: Spectrum) {}
 }
 
-/// The recorder that keeps everything.
+/// A ray that has begun and not ended.
+struct Open {
+    node: Node,
+    above: Option<(usize, Slot)>,
+    /// Where the rays that it caused stand among its children.
+    slots: Vec<Slot>,
+}
+
+/// The recorder that keeps everything of one camera ray.
 #[derive(Default)]
 pub struct TreeRecorder {
-    /// Open nodes, the root first.
-    stack: Vec<Node>,
+    /// By id; taken out where ended.
+    rays: Vec<Option<Open>>,
     root: Option<Node>,
 }
 
@@ -152,13 +176,18 @@ impl TreeRecorder {
     pub fn into_root(self) -> Option<Node> {
         self.root
     }
+
+    fn node(&mut self, id: usize) -> Option<&mut Node> {
+        self.rays.get_mut(id)?.as_mut().map(|open| &mut open.node)
+    }
 }
 
 impl Recorder for TreeRecorder {
     const ENABLED: bool = true;
+    type Id = usize;
 
-    fn begin(&mut self, kind: RayKind, ray: &Ray) {
-        self.stack.push(Node {
+    fn begin(&mut self, above: Option<(usize, Slot)>, kind: RayKind, ray: &Ray) -> usize {
+        let node = Node {
             kind,
             origin: ray.origin.into(),
             direction: ray.direction.into(),
@@ -169,11 +198,13 @@ impl Recorder for TreeRecorder {
             terms: Vec::new(),
             children: Vec::new(),
             value: [0.0; 3],
-        });
+        };
+        self.rays.push(Some(Open { node, above, slots: Vec::new() }));
+        self.rays.len() - 1
     }
 
-    fn hit(&mut self, record: impl FnOnce() -> HitRecord) {
-        if let Some(node) = self.stack.last_mut() {
+    fn hit(&mut self, id: usize, record: impl FnOnce() -> HitRecord) {
+        if let Some(node) = self.node(id) {
             let record = record();
             node.object = Some(record.object);
             node.source = record.source;
@@ -182,33 +213,34 @@ impl Recorder for TreeRecorder {
         }
     }
 
-    fn note(&mut self, name: &'static str, value: impl FnOnce() -> Value) {
-        if let Some(node) = self.stack.last_mut() {
+    fn note(&mut self, id: usize, name: &'static str, value: impl FnOnce() -> Value) {
+        if let Some(node) = self.node(id) {
             node.detail.insert(name.into(), value());
         }
     }
 
-    fn also(&mut self, name: &'static str, value: impl FnOnce() -> Value) {
-        if let Some(node) = self.stack.last_mut() {
+    fn also(&mut self, id: usize, name: &'static str, value: impl FnOnce() -> Value) {
+        if let Some(node) = self.node(id) {
             append(&mut node.detail, name, value());
         }
     }
 
     fn term(
         &mut self,
+        id: usize,
         name: &'static str,
         value: Spectrum,
         detail: impl FnOnce() -> (Option<String>, Value),
     ) {
-        if let Some(node) = self.stack.last_mut() {
+        if let Some(node) = self.node(id) {
             let (light, detail) = detail();
             let detail = if let Value::Object(map) = detail { map } else { Map::new() };
             node.terms.push(Term { name, light, value: value.into(), detail });
         }
     }
 
-    fn scale(&mut self, name: &'static str, factor: Spectrum) {
-        let Some(node) = self.stack.last_mut() else { return };
+    fn scale(&mut self, id: usize, name: &'static str, factor: Spectrum) {
+        let Some(node) = self.node(id) else { return };
         let told = json!({"by": name, "factor": factor.to_array()});
         for term in &mut node.terms {
             term.value = (Spectrum::from(term.value) * factor).into();
@@ -220,17 +252,19 @@ impl Recorder for TreeRecorder {
         }
     }
 
-    fn end(&mut self, weight: Spectrum, value: Spectrum) {
-        if let Some(mut node) = self.stack.pop() {
-            node.value = value.into();
-            match self.stack.last_mut() {
-                Some(parent) => parent.children.push(Child {
-                    weight: weight.into(),
-                    scaled_by: Vec::new(),
-                    ray: node,
-                }),
-                None => self.root = Some(node),
-            }
+    fn end(&mut self, id: usize, weight: Spectrum, value: Spectrum) {
+        let Some(mut ended) = self.rays.get_mut(id).and_then(Option::take) else { return };
+        ended.node.value = value.into();
+        let Some((above, slot)) = ended.above else {
+            self.root = Some(ended.node);
+            return;
+        };
+        if let Some(Some(parent)) = self.rays.get_mut(above) {
+            // In the order of their slots, whichever ended first.
+            let place = parent.slots.partition_point(|&s| s < slot);
+            let child = Child { weight: weight.into(), scaled_by: Vec::new(), ray: ended.node };
+            parent.slots.insert(place, slot);
+            parent.node.children.insert(place, child);
         }
     }
 }

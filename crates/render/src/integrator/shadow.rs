@@ -12,20 +12,11 @@ use crate::scene::Scene;
 impl Scene {
     /// What of a light passes through all that lies before `distance`.
     pub(super) fn tinted(&self, leg: &Leg, distance: f64) -> Spectrum {
-        let nearest =
-            self.world.closest_past(&leg.ray, distance, Some(&leg.departure), leg.contacts);
-        let Some(hit) = nearest.filter(|h| h.t < distance) else { return Spectrum::ONE };
-        // Most things are opaque, and one of them is enough: only those that are not cost a list.
-        let opaque = self
-            .shading(&leg.ray, &hit)
-            .is_some_and(|s| s.material.finish(&s.point).shadow_pass == Spectrum::ZERO);
-        let mut passed = if opaque { Spectrum::ZERO } else { Spectrum::ONE };
-        if !opaque {
-            self.passages(leg, distance, |_, factor| {
-                passed *= factor;
-                passed != Spectrum::ZERO
-            });
-        }
+        let mut passed = Spectrum::ONE;
+        self.passages(leg, distance, |_, factor| {
+            passed *= factor;
+            passed != Spectrum::ZERO
+        });
         passed
     }
 
@@ -50,7 +41,7 @@ impl Scene {
             if !own && !leg.contacts.crosses(&hit.id) && touches(ray, hit, &shading.surface) {
                 continue;
             }
-            let finish = shading.material.finish(&shading.point);
+            let finish = &shading.finish;
             let solid = self.world.shape(hit.id.object).is_some_and(|s| s.is_solid());
             let enters = shading.surface.normal.dot(ray.direction) < 0.0;
             let passed = if !solid || enters {
@@ -60,7 +51,7 @@ impl Scene {
                 // The way out costs nothing more, unless it is through another part, which is opaque.
                 let counted = entry.is_some() && finish.shadow_pass != Spectrum::ZERO;
                 let surface = if counted { Spectrum::ONE } else { finish.shadow_pass };
-                surface * self.absorbed_inside(&finish, hit.t - entry.map_or(0.0, |h| h.t))
+                surface * self.absorbed_inside(finish, hit.t - entry.map_or(0.0, |h| h.t))
             };
             if !each(hit, passed) {
                 return;

@@ -2,6 +2,8 @@
 //! Views that show what the renderer knows instead of light: normals, depth, uv, objects, materials,
 //! the cost of the hierarchy, rays per sample, and a quick preview lit from the eye.
 
+use std::sync::atomic::AtomicBool;
+
 use dioptric_geometry::Ray;
 use dioptric_geometry::bvh::Count;
 use dioptric_math::Spectrum;
@@ -9,7 +11,7 @@ use dioptric_math::random::{mix, unit};
 use serde_json::json;
 
 use super::point::Point;
-use super::recorder::{RayKind, Recorder};
+use super::recorder::{RayKind, Recorder, Silent};
 use super::whitted::{Whitted, record};
 use crate::film::{FirstHit, Radiance};
 use crate::sampling::stream::Stream;
@@ -27,7 +29,7 @@ pub fn radiance<R: Recorder>(
     kind: Integrator,
     scene: &Scene,
     ray: &Ray,
-    stream: &mut Stream,
+    stream: Stream,
     counts: &mut RayCounts,
     recorder: &mut R,
 ) -> Radiance {
@@ -35,7 +37,7 @@ pub fn radiance<R: Recorder>(
         return rays_view(scene, ray, stream, counts, recorder);
     }
     counts.camera += 1;
-    recorder.begin(RayKind::Camera, ray);
+    let id = recorder.begin(None, RayKind::Camera, ray);
     let mut visits = Count::default();
     let found = scene.world.closest_counted(ray, f64::INFINITY, None, &mut visits);
     let found = found.and_then(|hit| Some(Point::new(ray, hit, scene.shading(ray, &hit)?, None)));
@@ -43,24 +45,27 @@ pub fn radiance<R: Recorder>(
     let mut color = Spectrum::ZERO;
     if let Some(point) = &found {
         first = point.first_hit(scene);
-        recorder.hit(|| record(scene, point, 0, None));
+        recorder.hit(id, || record(scene, point, 0, None));
         color = surface_view(kind, scene, point);
     }
     if kind == Integrator::Cost {
         color = Spectrum::splat(visits.boxes as f64 / COSTLY_VISITS);
     }
-    recorder.term(kind.name(), color, || (None, json!({})));
-    recorder.end(Spectrum::ONE, color);
+    recorder.term(id, kind.name(), color, || (None, json!({})));
+    recorder.end(id, Spectrum::ONE, color);
     Radiance { color, alpha: if found.is_some() { 1.0 } else { 0.0 }, first }
 }
 
 fn surface_view(kind: Integrator, scene: &Scene, point: &Point) -> Spectrum {
-    let (hit, surface) = (&point.hit, &point.shading.surface);
+    let (hit, surface) = (&point.hit, &point.surface);
     match kind {
         Integrator::Normals => surface.shading_normal * 0.5 + 0.5,
         // In units of the file; the develop settings bring it into view.
         Integrator::Depth => Spectrum::splat(hit.t / scene.root.scale()),
-        Integrator::Uv => Spectrum::new(fraction(surface.uv.x), fraction(surface.uv.y), 0.0),
+        Integrator::Uv => scene
+            .world
+            .surface(&point.ray, hit)
+            .map_or(Spectrum::ZERO, |s| Spectrum::new(fraction(s.uv.x), fraction(s.uv.y), 0.0)),
         Integrator::Object => label_color(u64::from(scene.layer_id(hit.id))),
         Integrator::Material => label_color(scene.material_index(hit.id) as u64 ^ 0x5eed),
         // Bright where the surface faces the eye, with a floor so that edges stay readable.
@@ -76,18 +81,20 @@ fn surface_view(kind: Integrator, scene: &Scene, point: &Point) -> Spectrum {
 fn rays_view<R: Recorder>(
     scene: &Scene,
     ray: &Ray,
-    stream: &mut Stream,
+    stream: Stream,
     counts: &mut RayCounts,
     recorder: &mut R,
 ) -> Radiance {
     let mut own = RayCounts::default();
-    let light = Whitted::new(scene, stream, &mut own, &mut super::recorder::Silent).radiance(ray);
+    let mut silent = Silent;
+    let whitted = Whitted::new(scene, &mut own, &mut silent);
+    let light = whitted.radiances([(*ray, stream)].into_iter(), &AtomicBool::new(false));
     counts.add(&own);
     let color = Spectrum::splat(own.total() as f64 / MANY_RAYS);
-    recorder.begin(RayKind::Camera, ray);
-    recorder.term(Integrator::Rays.name(), color, || (None, json!({"rays": own.total()})));
-    recorder.end(Spectrum::ONE, color);
-    Radiance { color, ..light }
+    let id = recorder.begin(None, RayKind::Camera, ray);
+    recorder.term(id, Integrator::Rays.name(), color, || (None, json!({"rays": own.total()})));
+    recorder.end(id, Spectrum::ONE, color);
+    light.first().map_or(Radiance::NOTHING, |light| Radiance { color, ..*light })
 }
 
 fn fraction(x: f64) -> f64 {

@@ -1,11 +1,19 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Whitted's picture: every surface shows its own colour under the lights, and rays go on where it
 //! mirrors or lets through (Whitted, "An Improved Illumination Model for Shaded Display", CACM 23(6),
-//! 1980). This file follows rays; [`super::direct`] lights a point, [`super::dielectric`] splits a ray at
-//! glass and [`super::passage`] goes through objects with fixed shares.
+//! 1980).
+//!
+//! Samples are followed in batches, a round at a time: cast all rays, light all points that they met, send the
+//! rays that go on. So the rays that are cast together go similar ways, which is what makes casting them
+//! fast. Each ray's value depends on its own sample alone.
+//!
+//! This file follows rays; [`super::direct`] lights points, [`super::dielectric`] splits a ray at glass and
+//! [`super::passage`] goes through objects with fixed shares.
 
-use dioptric_geometry::Ray;
-use dioptric_geometry::world::Hit;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use dioptric_geometry::world::{Hit, Query};
+use dioptric_geometry::{Contacts, Ray};
 use dioptric_math::{DVec3, Spectrum};
 use serde_json::json;
 
@@ -13,25 +21,33 @@ use super::dielectric::Dielectric;
 use super::media::{Inside, Media, Medium, absorbed};
 use super::optics::{facet_normal, schlick};
 use super::point::{Leg, Point, coincide};
-use super::recorder::{HitRecord, RayKind, Recorder};
+use super::recorder::{HitRecord, RayKind, Recorder, Slot};
+use super::tree::{Above, Nodes};
 use crate::film::{FirstHit, Radiance};
 use crate::material::Optics;
 use crate::sampling::stream::Stream;
 use crate::scene::{Scene, Shading};
 use crate::stats::RayCounts;
 
-/// One sample's tree of rays.
-pub struct Whitted<'a, R> {
+/// Rays that are cast together.
+const ROUND: usize = 512;
+
+/// One batch of samples.
+pub struct Whitted<'a, 'r, R: Recorder> {
     /// What rays are cast into.
     pub(super) scene: &'a Scene,
-    /// The sample's random numbers.
-    pub(super) stream: &'a mut Stream,
     /// Rays cast so far.
-    pub(super) counts: &'a mut RayCounts,
+    pub(super) counts: &'r mut RayCounts,
     /// Who listens.
-    pub(super) recorder: &'a mut R,
-    /// Transparent objects that this sample's rays have been in.
+    pub(super) recorder: &'r mut R,
+    /// Transparent objects that this batch's rays have been in.
     pub(super) media: Media,
+    pub(super) nodes: Nodes<R::Id>,
+    /// Rays to be cast, the next ones last, and what is known of each.
+    queries: Vec<Query>,
+    legs: Vec<Follow>,
+    /// By the sample's number.
+    radiances: Vec<Radiance>,
 }
 
 /// What a ray carries along the tree.
@@ -45,94 +61,179 @@ pub(super) struct State {
     pub inside: Inside,
 }
 
-impl<'a, R: Recorder> Whitted<'a, R> {
-    /// Ready for one camera's ray.
-    pub fn new(
-        scene: &'a Scene,
-        stream: &'a mut Stream,
-        counts: &'a mut RayCounts,
-        recorder: &'a mut R,
-    ) -> Self {
-        let media = Media::new(scene.surroundings.ior);
-        Self { scene, stream, counts, recorder, media }
+/// A ray to be cast.
+#[derive(Clone, Copy)]
+struct Follow {
+    node: u32,
+    state: State,
+    stream: Stream,
+}
+
+/// A point that a ray met, on its way through a round.
+pub(super) struct Met<'a> {
+    pub point: Point<'a>,
+    pub node: u32,
+    pub state: State,
+    pub stream: Stream,
+    /// Whether its own colour is wanted.
+    pub wants_own: bool,
+    /// Its own colour.
+    pub own: Spectrum,
+    /// The normal of the facet that a mirrored ray meets.
+    facet: DVec3,
+}
+
+impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
+    /// Ready for one batch.
+    pub fn new(scene: &'a Scene, counts: &'r mut RayCounts, recorder: &'r mut R) -> Self {
+        Self {
+            scene,
+            counts,
+            recorder,
+            media: Media::new(scene.surroundings.ior),
+            nodes: Nodes::new(),
+            queries: Vec::new(),
+            legs: Vec::new(),
+            radiances: Vec::new(),
+        }
     }
 
-    /// The radiance that a camera's ray brings, and what it met first.
-    pub fn radiance(&mut self, ray: &Ray) -> Radiance {
-        let mut first = FirstHit::NONE;
+    /// The radiance that each camera's ray brings, and what it met first; nothing if cancelled meanwhile.
+    pub fn radiances(
+        mut self,
+        rays: impl DoubleEndedIterator<Item = (Ray, Stream)> + ExactSizeIterator,
+        cancel: &AtomicBool,
+    ) -> Vec<Radiance> {
         let around = self.scene.around_camera.iter();
         let inside = around.fold(None, |inside, &medium| self.media.enter(inside, medium));
         let state = State { depth: 0, throughput: 1.0, inside };
-        self.counts.camera += 1;
-        self.recorder.begin(RayKind::Camera, ray);
-        let color = self.value(ray, None, &state, Some(&mut first));
-        self.recorder.end(Spectrum::ONE, color);
-        let alpha = if first.object == FirstHit::NOTHING { 0.0 } else { 1.0 };
-        Radiance { color, alpha, first }
+        self.radiances.resize(rays.len(), Radiance::NOTHING);
+        self.counts.camera += rays.len() as u64;
+        for ((ray, stream), sample) in rays.zip(0..) {
+            let id = self.recorder.begin(None, RayKind::Camera, &ray);
+            let node = self.nodes.add(id, Above::Sample(sample), inside);
+            let contacts = Contacts::CROSSED;
+            self.queries.push(Query { ray, t_max: f64::INFINITY, departure: None, contacts });
+            self.legs.push(Follow { node, state, stream });
+        }
+        let mut round = Round::default();
+        while !self.legs.is_empty() {
+            if cancel.load(Ordering::Relaxed) {
+                return Vec::new();
+            }
+            self.round(&mut round);
+        }
+        self.radiances
     }
 
-    /// Casts a further ray and returns its weighted value. Rays whose weight is too small to matter
-    /// by the scene's setting are not cast.
+    /// Casts the rays that came last, and shades what they meet.
+    fn round(&mut self, round: &mut Round) {
+        let first = self.legs.len().saturating_sub(ROUND);
+        let scene = self.scene;
+        scene.world.closest_each(&self.queries[first..], &mut round.hits);
+        round.queries.clear();
+        round.queries.extend(self.queries.drain(first..));
+        round.legs.clear();
+        round.legs.extend(self.legs.drain(first..));
+        let mut met = Vec::with_capacity(round.legs.len());
+        for ((query, leg), hit) in round.queries.iter().zip(&round.legs).zip(&round.hits) {
+            match hit.and_then(|hit| self.resolve(query, hit, leg.state.inside)) {
+                Some((hit, shading)) => {
+                    self.nodes[leg.node].distance = hit.t;
+                    let point = Point::new(&query.ray, hit, shading, query.departure.as_ref());
+                    met.push(self.meet(point, leg));
+                }
+                None => {
+                    let value = scene.background.radiance(query.ray.direction);
+                    let node = &mut self.nodes[leg.node];
+                    node.own = value;
+                    self.recorder.term(node.id, "background", value, || (None, json!({})));
+                    self.settle(leg.node);
+                }
+            }
+        }
+        self.light(&mut met, &mut round.light);
+        for met in met {
+            self.scatter(met);
+        }
+    }
+
+    /// Casts a further ray and returns true. Rays whose weight is too small to matter by the scene's setting
+    /// are not cast.
     pub(super) fn follow(
         &mut self,
+        met: &Met,
+        slot: Slot,
         kind: RayKind,
         leg: Leg,
         weight: Spectrum,
-        state: &State,
         inside: Inside,
-    ) -> Spectrum {
-        let throughput = state.throughput * weight.max_element();
+    ) {
+        let id = self.nodes[met.node].id;
+        let throughput = met.state.throughput * weight.max_element();
         if !(throughput > 0.0) || throughput < self.scene.settings.min_contribution {
-            self.recorder
-                .also("not_followed", || json!({"kind": kind, "weight": weight.to_array()}));
-            return Spectrum::ZERO;
+            self.recorder.also(
+                id,
+                "not_followed",
+                || json!({"kind": kind, "weight": weight.to_array()}),
+            );
+            return;
         }
         match kind {
             RayKind::Camera => self.counts.camera += 1,
             RayKind::Reflected => self.counts.reflect += 1,
             RayKind::Transmitted => self.counts.refract += 1,
         }
-        self.recorder.begin(kind, &leg.ray);
-        let state = State { depth: state.depth + 1, throughput, inside };
-        let value = self.value(&leg.ray, Some(&leg), &state, None);
-        self.recorder.end(weight, value);
-        weight * value
+        let state = State { depth: met.state.depth + 1, throughput, inside };
+        let below = self.recorder.begin(Some((id, slot)), kind, &leg.ray);
+        let node = self.nodes.add(below, Above::Node(met.node, slot), inside);
+        let parent = &mut self.nodes[met.node];
+        parent.waiting += 1;
+        parent.weights[usize::from(slot)] = weight;
+        let stream = if slot == 0 { met.stream } else { met.stream.forked() };
+        self.queries.push(leg.query(f64::INFINITY));
+        self.legs.push(Follow { node, state, stream });
     }
 
-    /// What a ray sees: the surface or background, weakened by what lies between.
-    fn value(
-        &mut self,
-        ray: &Ray,
-        leg: Option<&Leg>,
-        state: &State,
-        first: Option<&mut FirstHit>,
-    ) -> Spectrum {
-        let (value, distance) = match self.nearest(ray, leg, state.inside) {
-            Some((hit, shading)) => {
-                let point = Point::new(ray, hit, shading, leg.map(|l| &l.departure));
-                (self.surface(&point, state, first), hit.t)
+    /// Works out the value of a node that waits for nothing, and of those above that waited only for it.
+    pub(super) fn settle(&mut self, mut index: u32) {
+        loop {
+            let node = self.nodes[index];
+            if node.waiting > 0 {
+                return;
             }
-            None => {
-                let value = self.scene.background.radiance(ray.direction);
-                self.recorder.term("background", value, || (None, json!({})));
-                (value, f64::INFINITY)
+            let value = node.own + node.below[0] + node.below[1];
+            let value = self.attenuated(node.id, value, node.distance, node.inside);
+            self.nodes.release(index);
+            match node.above {
+                Above::Sample(sample) => {
+                    self.recorder.end(node.id, Spectrum::ONE, value);
+                    let radiance = &mut self.radiances[sample as usize];
+                    radiance.color = value;
+                    let hit = radiance.first.object != FirstHit::NOTHING;
+                    radiance.alpha = if hit { 1.0 } else { 0.0 };
+                    return;
+                }
+                Above::Node(above, slot) => {
+                    let parent = &mut self.nodes[above];
+                    let weight = parent.weights[usize::from(slot)];
+                    parent.below[usize::from(slot)] = weight * value;
+                    parent.waiting -= 1;
+                    self.recorder.end(node.id, weight, value);
+                    index = above;
+                }
             }
-        };
-        self.attenuated(value, distance, state.inside)
+        }
     }
 
-    /// The nearest hit. Inside of a transparent object its own surface comes before any other that
-    /// coincides with it: the exit belongs to the object that was entered.
-    fn nearest(&self, ray: &Ray, leg: Option<&Leg>, inside: Inside) -> Option<(Hit, Shading<'a>)> {
-        let scene = self.scene;
-        let departure = leg.map(|l| &l.departure);
-        let hit = match leg {
-            Some(l) => scene.world.closest_past(ray, f64::INFINITY, departure, l.contacts)?,
-            None => scene.world.closest(ray, f64::INFINITY, None)?,
-        };
+    /// The hit that counts, and what is needed to shade it. Inside of a transparent object its own surface
+    /// comes before any other that coincides with it: the exit belongs to the object that was entered.
+    fn resolve(&self, query: &Query, hit: Hit, inside: Inside) -> Option<(Hit, Shading<'a>)> {
+        let (scene, ray) = (self.scene, &query.ray);
         let shading = scene.shading(ray, &hit)?;
         if let Some(around) = self.media.top(inside).filter(|m| !m.object.same_object(&hit.id)) {
             let id = around.object;
+            let departure = query.departure.as_ref();
             if let Some(exit) =
                 scene.world.closest_of(ray, f64::INFINITY, departure, id.instance, id.object)
             {
@@ -146,75 +247,112 @@ impl<'a, R: Recorder> Whitted<'a, R> {
     }
 
     /// Absorption by the innermost medium, and fog outside of all, over the distance of a ray.
-    fn attenuated(&mut self, mut value: Spectrum, distance: f64, inside: Inside) -> Spectrum {
+    fn attenuated(
+        &mut self,
+        id: R::Id,
+        mut value: Spectrum,
+        distance: f64,
+        inside: Inside,
+    ) -> Spectrum {
         let scene = self.scene;
         let left = match self.media.top(inside) {
             Some(medium) => absorbed(medium.absorption, distance / scene.root.scale()),
             None => scene.surroundings.transmittance(distance),
         };
         if left != Spectrum::ONE {
-            self.recorder.note("absorption", || json!({"transmittance": left.to_array()}));
-            self.recorder.scale("absorption", left);
+            self.recorder.note(id, "absorption", || json!({"transmittance": left.to_array()}));
+            self.recorder.scale(id, "absorption", left);
             value *= left;
         }
         let Some(fog) = scene.fog.as_ref().filter(|_| inside.is_none()) else { return value };
         let left = fog.transmittance(distance);
         let glow = fog.color * (1.0 - left);
-        self.recorder.scale("fog", Spectrum::splat(left));
-        self.recorder.term("fog", glow, || (None, json!({"transmittance": left})));
+        self.recorder.scale(id, "fog", Spectrum::splat(left));
+        self.recorder.term(id, "fog", glow, || (None, json!({"transmittance": left})));
         value * left + glow
     }
 
-    /// What a surface sends back along a ray.
-    fn surface(&mut self, point: &Point, state: &State, first: Option<&mut FirstHit>) -> Spectrum {
-        if let Some(first) = first {
-            *first = point.first_hit(self.scene);
+    /// A point that was met, and what its optics need before it is lit.
+    fn meet(&mut self, point: Point<'a>, leg: &Follow) -> Met<'a> {
+        let Follow { node, state, mut stream } = *leg;
+        let scene = self.scene;
+        if let Above::Sample(sample) = self.nodes[node].above {
+            self.radiances[sample as usize].first = point.first_hit(scene);
         }
-        let (scene, medium) = (self.scene, self.media.top(state.inside));
-        self.recorder.hit(|| record(scene, point, state.depth, medium));
-
-        if point.finish.optics == Optics::Opaque {
-            return self.own(point);
-        }
-        if state.depth >= self.scene.settings.bounces {
-            self.recorder.note("bounce_limit", || json!(self.scene.settings.bounces));
+        let id = self.nodes[node].id;
+        let medium = self.media.top(state.inside);
+        self.recorder.hit(id, || record(scene, &point, state.depth, medium));
+        let mut facet = point.normal;
+        let solid = || point.is_solid(scene);
+        let at_limit = state.depth >= scene.settings.bounces;
+        let wants_own = match point.finish.optics {
+            Optics::Opaque => true,
+            Optics::Mirror { roughness, .. } => {
+                if !at_limit {
+                    facet = facet_for(&point, roughness, &mut stream);
+                }
+                true
+            }
+            Optics::Shares { .. } if at_limit => true,
+            Optics::Shares { own, .. } => (point.outside || !solid()) && own > 0.0,
             // Glass has nothing of its own to show but highlights, and those on its outside.
-            let hollow = matches!(point.finish.optics, Optics::Dielectric { .. });
-            let within = hollow && !point.outside && point.is_solid(self.scene);
-            return if within { Spectrum::ZERO } else { self.own(point) };
+            Optics::Dielectric { .. } => point.outside || !solid(),
+        };
+        Met { point, node, state, stream, wants_own, own: Spectrum::ZERO, facet }
+    }
+
+    /// Sends the rays that go on from a point whose own colour is known.
+    fn scatter(&mut self, mut met: Met) {
+        let id = self.nodes[met.node].id;
+        let at_limit = met.state.depth >= self.scene.settings.bounces;
+        let optics = met.point.finish.optics;
+        if at_limit && optics != Optics::Opaque {
+            self.recorder.note(id, "bounce_limit", || json!(self.scene.settings.bounces));
         }
-        match point.finish.optics {
-            Optics::Opaque => self.own(point),
-            Optics::Mirror { reflect, grazing, roughness, covers } => {
-                let facet = self.facet(point, roughness);
-                let weight = schlick(reflect, grazing, -point.ray.direction.dot(facet));
-                let mut own = self.own(point);
+        match optics {
+            _ if at_limit => self.nodes[met.node].own = met.own,
+            Optics::Opaque => self.nodes[met.node].own = met.own,
+            Optics::Mirror { reflect, grazing, covers, .. } => {
+                let point = &met.point;
+                let weight = schlick(reflect, grazing, -point.ray.direction.dot(met.facet));
+                let mut own = met.own;
                 if covers {
                     // Lacquer: what is mirrored never reaches the colour below.
                     own *= Spectrum::ONE - weight;
-                    self.recorder.scale("coat", Spectrum::ONE - weight);
+                    self.recorder.scale(id, "coat", Spectrum::ONE - weight);
                 }
-                let leg = point.back(point.mirrored(facet));
-                own + self.follow(RayKind::Reflected, leg, weight, state, state.inside)
+                self.nodes[met.node].own = own;
+                let leg = point.back(point.mirrored(met.facet));
+                self.follow(&met, 0, RayKind::Reflected, leg, weight, met.state.inside);
             }
             Optics::Shares { own, ior, tint, absorption } => {
-                self.through_by_shares(point, own, ior, tint, absorption, state)
+                self.through_by_shares(&met, own, ior, tint, absorption);
             }
             Optics::Dielectric { ior, reflect, transmit, absorption, roughness } => {
-                let medium = Medium { object: point.hit.id, ior, absorption };
+                let medium = Medium { object: met.point.hit.id, ior, absorption };
                 let how = Dielectric { reflect, transmit, roughness };
-                self.dielectric(point, &medium, how, state)
+                self.dielectric(&mut met, &medium, how);
             }
         }
+        self.settle(met.node);
     }
+}
 
-    /// The normal of the facet that this sample meets: the surface's own where it is smooth.
-    pub(super) fn facet(&mut self, point: &Point, alpha: f64) -> DVec3 {
-        if alpha > 0.0 {
-            facet_normal(point.normal, point.ray.direction, alpha, self.stream.next_2d())
-        } else {
-            point.normal
-        }
+/// Memory that the rounds of a batch use again.
+#[derive(Default)]
+struct Round {
+    queries: Vec<Query>,
+    legs: Vec<Follow>,
+    hits: Vec<Option<Hit>>,
+    light: super::direct::Scratch,
+}
+
+/// The normal of the facet that a sample meets: the surface's own where it is smooth.
+pub(super) fn facet_for(point: &Point, alpha: f64, stream: &mut Stream) -> DVec3 {
+    if alpha > 0.0 {
+        facet_normal(point.normal, point.ray.direction, alpha, stream.next_2d())
+    } else {
+        point.normal
     }
 }
 
@@ -225,16 +363,17 @@ pub(super) fn record(
     depth: u32,
     medium: Option<&Medium>,
 ) -> HitRecord {
-    let (s, p) = (&point.shading.surface, &point.shading.point);
     let mut detail = serde_json::Map::new();
     let mut put = |key: &str, value| drop(detail.insert(key.into(), value));
-    put("point", json!(s.point.to_array()));
-    put("point_in_file", json!(p.world.to_array()));
-    put("point_in_object", json!(p.object.to_array()));
-    put("normal", json!(s.normal.to_array()));
-    put("shading_normal", json!(point.normal.to_array()));
-    put("from_outside", json!(point.outside));
-    put("uv", json!(s.uv.to_array()));
+    if let Some((s, p)) = scene.surface_and_point(&point.ray, &point.hit) {
+        put("point", json!(s.point.to_array()));
+        put("point_in_file", json!(p.world.to_array()));
+        put("point_in_object", json!(p.object.to_array()));
+        put("normal", json!(s.normal.to_array()));
+        put("shading_normal", json!(point.normal.to_array()));
+        put("from_outside", json!(point.outside));
+        put("uv", json!(s.uv.to_array()));
+    }
     put("pattern", json!(point.finish.base.to_array()));
     put("bounce", json!(depth));
     if let Some(medium) = medium {

@@ -9,9 +9,11 @@
 //! Colours are compared as a display would show them: cut off at 0 and 1, then the square root, which
 //! is near to sRGB's curve. Light far above white on both sides of an edge makes no difference.
 
+use std::sync::atomic::AtomicBool;
+
 use dioptric_math::DVec3;
 
-use super::{Region, Shoot};
+use super::{Region, Shoot, Shot};
 use crate::film::{FilmPixel, Radiance};
 use crate::sampling::{Antialias, pixel_sample};
 use crate::setting::render::RenderSettings;
@@ -109,7 +111,7 @@ pub(super) fn wants_more(
 /// How many samples a pixel of the picture gets. For adaptive pictures this shoots the base samples of
 /// its neighbourhood.
 #[must_use]
-pub fn samples_of_pixel(settings: &RenderSettings, pixel: [u32; 2], shoot: &Shoot) -> u32 {
+pub fn samples_of_pixel(settings: &RenderSettings, pixel: [u32; 2], shoot: &dyn Shoot) -> u32 {
     if settings.antialias != Antialias::Adaptive {
         return settings.samples;
     }
@@ -118,11 +120,16 @@ pub fn samples_of_pixel(settings: &RenderSettings, pixel: [u32; 2], shoot: &Shoo
         .pixels()
         .map(|place| {
             let (mut film, mut summary) = (FilmPixel::default(), Summary::default());
-            for index in 0..settings.samples {
-                let (sample, mut stream) = pixel_sample(settings, place, index);
-                let radiance = shoot(&sample, &mut stream, &mut RayCounts::default());
-                film.add(sample.weight, &radiance);
-                summary.add(settings, &radiance);
+            let shots: Vec<Shot> = (0..settings.samples)
+                .map(|index| pixel_sample(settings, place, index))
+                .map(|(sample, stream)| Shot { sample, stream })
+                .collect();
+            let mut radiances = Vec::new();
+            let never = AtomicBool::new(false);
+            shoot.shoot(&shots, &mut RayCounts::default(), &never, &mut radiances);
+            for (shot, radiance) in shots.iter().zip(&radiances) {
+                film.add(shot.sample.weight, radiance);
+                summary.add(settings, radiance);
             }
             summary.finish(settings, &film);
             summary

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Making a picture: tiles over threads, progress, and a way to stop.
 //!
-//! A pixel's samples are shot one after the other by one thread, so its bits do not depend on how the
-//! work is shared. Adaptive pictures are made in two passes: all pixels with few samples, then more
+//! A pixel's samples are added in order by one thread, so its bits do not depend on how the work is shared.
+//! Samples of neighbouring pixels are shot together: see [`pass`]. Adaptive pictures are made in two passes: all pixels with few samples, then more
 //! for those that the first pass picked (see [`adaptive`]).
 
 pub mod adaptive;
 mod pass;
 
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use dioptric_scene::Diagnostic;
@@ -24,9 +24,45 @@ use crate::sampling::{Antialias, PixelSample, Stream};
 use crate::setting::render::RenderSettings;
 use crate::stats::RayCounts;
 
-/// Shoots one camera sample: where it lies, the numbers for the rest of its way, and where to count
-/// the rays.
-pub type Shoot<'a> = dyn Fn(&PixelSample, &mut Stream, &mut RayCounts) -> Radiance + Sync + 'a;
+/// One camera sample to be shot.
+#[derive(Clone, Copy, Debug)]
+pub struct Shot {
+    /// Where it lies.
+    pub sample: PixelSample,
+    /// The numbers for the rest of its way.
+    pub stream: Stream,
+}
+
+/// Shoots camera samples.
+pub trait Shoot: Sync {
+    /// Appends the radiance of each shot, in order, and counts the rays; each radiance depends on its shot
+    /// alone. Fewer than shots if cancelled meanwhile.
+    fn shoot(
+        &self,
+        shots: &[Shot],
+        rays: &mut RayCounts,
+        cancel: &AtomicBool,
+        out: &mut Vec<Radiance>,
+    );
+}
+
+/// A function of one sample.
+impl<F: Fn(&PixelSample, &mut Stream, &mut RayCounts) -> Radiance + Sync> Shoot for F {
+    fn shoot(
+        &self,
+        shots: &[Shot],
+        rays: &mut RayCounts,
+        cancel: &AtomicBool,
+        out: &mut Vec<Radiance>,
+    ) {
+        for shot in shots {
+            if cancel.load(Ordering::Relaxed) {
+                return;
+            }
+            out.push(self(&shot.sample, &mut { shot.stream }, rays));
+        }
+    }
+}
 
 /// How a job is watched and stopped.
 #[derive(Clone, Default)]
@@ -67,7 +103,7 @@ pub fn render(
     settings: &RenderSettings,
     region: Region,
     pool: &ThreadPool,
-    shoot: &Shoot,
+    shoot: &dyn Shoot,
     control: &Control,
 ) -> Result<Film, Diagnostic> {
     let adaptive = settings.antialias == Antialias::Adaptive;
@@ -99,7 +135,7 @@ fn refine(
     settings: &RenderSettings,
     around: &Region,
     pool: &ThreadPool,
-    shoot: &Shoot,
+    shoot: &dyn Shoot,
     control: &Control,
     state: &mut State,
 ) {

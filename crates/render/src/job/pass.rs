@@ -7,8 +7,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use rayon::ThreadPool;
 
 use super::adaptive::Summary;
-use super::{Control, Region, Shoot};
-use crate::film::FilmPixel;
+use super::{Control, Region, Shoot, Shot};
+use crate::film::{FilmPixel, Radiance};
 use crate::sampling::pixel_sample;
 use crate::setting::render::RenderSettings;
 use crate::stats::RayCounts;
@@ -49,50 +49,121 @@ fn is_cancelled(control: &Control) -> bool {
     control.cancel.load(Ordering::Relaxed)
 }
 
+/// Samples that are shot together: enough to make packets of rays of all kinds, few enough for what is kept
+/// of them to stay in the processor's second cache.
+const BATCH: usize = 512;
+
+/// Side of the blocks in which a tile's pixels are taken: rays that are next to each other in a batch should
+/// be so in the picture, in both directions.
+const BLOCK: u32 = 4;
+
 /// Adds samples to the pixels of a tile: to new ones, or to those of `base` that are not finished.
 pub(super) fn sample_tile(
     settings: &RenderSettings,
     tile: Region,
     samples: Range<u32>,
     base: Option<Vec<FilmPixel>>,
-    shoot: &Shoot,
+    shoot: &dyn Shoot,
     control: &Control,
 ) -> Sampled {
-    let mut rays = RayCounts::default();
-    let base = base.unwrap_or_else(|| vec![FilmPixel::default(); tile.area() as usize]);
-    let pixels = tile
-        .pixels()
-        .zip(base)
-        .map(|(place, pixel)| {
-            if pixel.finished {
-                return None;
+    let count = tile.area() as usize;
+    let mut work = Work {
+        settings,
+        shoot,
+        control,
+        base: base.unwrap_or_else(|| vec![FilmPixel::default(); count]),
+        wanted: samples.len() as u32,
+        shots: Vec::with_capacity(BATCH),
+        pixels_of: Vec::with_capacity(BATCH),
+        radiances: Vec::with_capacity(BATCH),
+        summaries: vec![Summary::default(); count],
+        added: vec![0; count],
+        rays: RayCounts::default(),
+    };
+    for [x, y] in blocks(&tile) {
+        let Some(pixel) = tile.index(x, y) else { continue };
+        if work.base[pixel].finished {
+            continue;
+        }
+        for index in samples.clone() {
+            let (sample, stream) = pixel_sample(settings, [x, y], index);
+            work.shots.push(Shot { sample, stream });
+            work.pixels_of.push(pixel);
+            if work.shots.len() == BATCH && !work.shoot_batch() {
+                return work.finish(tile);
             }
-            sample_pixel(settings, place, pixel, samples.clone(), shoot, &mut rays, control)
-        })
-        .collect();
-    Sampled { region: tile, pixels, rays }
+        }
+    }
+    work.shoot_batch();
+    work.finish(tile)
 }
 
-/// Adds samples to a pixel, in order; `None` where that was cancelled.
-fn sample_pixel(
-    settings: &RenderSettings,
-    place: [u32; 2],
-    mut pixel: FilmPixel,
-    samples: Range<u32>,
-    shoot: &Shoot,
-    rays: &mut RayCounts,
-    control: &Control,
-) -> Option<(FilmPixel, Summary)> {
-    let mut summary = Summary::default();
-    for index in samples {
-        if is_cancelled(control) {
-            return None;
+/// The pixels of a tile, block by block.
+fn blocks(tile: &Region) -> impl Iterator<Item = [u32; 2]> + use<> {
+    let Region { x, y, width, height } = *tile;
+    let block = move |left: u32, top: u32| Region {
+        x: x + left,
+        y: y + top,
+        width: BLOCK.min(width - left),
+        height: BLOCK.min(height - top),
+    };
+    (0..height).step_by(BLOCK as usize).flat_map(move |top| {
+        (0..width).step_by(BLOCK as usize).flat_map(move |left| block(left, top).pixels())
+    })
+}
+
+/// A tile being sampled.
+struct Work<'a> {
+    settings: &'a RenderSettings,
+    shoot: &'a dyn Shoot,
+    control: &'a Control<'a>,
+    /// The pixels with what was added.
+    base: Vec<FilmPixel>,
+    /// How many samples each pixel gets.
+    wanted: u32,
+    shots: Vec<Shot>,
+    /// Which pixel each shot belongs to.
+    pixels_of: Vec<usize>,
+    radiances: Vec<Radiance>,
+    summaries: Vec<Summary>,
+    /// How many samples each pixel got.
+    added: Vec<u32>,
+    rays: RayCounts,
+}
+
+impl Work<'_> {
+    /// Shoots what has been collected; false where that was cancelled.
+    fn shoot_batch(&mut self) -> bool {
+        self.radiances.clear();
+        if !is_cancelled(self.control) {
+            let cancel = &self.control.cancel;
+            self.shoot.shoot(&self.shots, &mut self.rays, cancel, &mut self.radiances);
         }
-        let (sample, mut stream) = pixel_sample(settings, place, index);
-        let radiance = shoot(&sample, &mut stream, rays);
-        pixel.add(sample.weight, &radiance);
-        summary.add(settings, &radiance);
+        for ((shot, radiance), &pixel) in
+            self.shots.iter().zip(&self.radiances).zip(&self.pixels_of)
+        {
+            self.base[pixel].add(shot.sample.weight, radiance);
+            self.summaries[pixel].add(self.settings, radiance);
+            self.added[pixel] += 1;
+        }
+        let complete = self.radiances.len() == self.shots.len();
+        self.shots.clear();
+        self.pixels_of.clear();
+        complete
     }
-    summary.finish(settings, &pixel);
-    Some((pixel, summary))
+
+    /// The pixels that got all their samples.
+    fn finish(self, region: Region) -> Sampled {
+        let Self { settings, base, wanted, summaries, added, rays, .. } = self;
+        let pixels = base
+            .into_iter()
+            .zip(summaries)
+            .zip(added)
+            .map(|((pixel, mut summary), added)| {
+                summary.finish(settings, &pixel);
+                (added == wanted && !pixel.finished).then_some((pixel, summary))
+            })
+            .collect();
+        Sampled { region, pixels, rays }
+    }
 }

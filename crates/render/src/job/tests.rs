@@ -46,7 +46,7 @@ fn edge(sample: &PixelSample, _: &mut Stream, rays: &mut RayCounts) -> Radiance 
     Radiance { color: Spectrum::splat(if right { 0.8 } else { 0.2 }), alpha: 1.0, first }
 }
 
-fn picture(settings: &RenderSettings, region: Region, threads: usize, shoot: &Shoot) -> Film {
+fn picture(settings: &RenderSettings, region: Region, threads: usize, shoot: &dyn Shoot) -> Film {
     render(settings, region, &pool(threads), shoot, &Control::default()).unwrap()
 }
 
@@ -342,11 +342,11 @@ fn slopes(sample: &PixelSample, _: &mut Stream, rays: &mut RayCounts) -> Radianc
 
 #[test]
 fn errors_fall_as_the_manual_says() {
-    let make = |shoot: &Shoot, mode, samples, max_samples| {
+    let make = |shoot: &dyn Shoot, mode, samples, max_samples| {
         let s = RenderSettings { max_samples, ..settings(mode, samples, [32, 32]) };
         picture(&s, Region::full(s.size), 2, shoot)
     };
-    for (shoot, round) in [(&rings as &Shoot, true), (&slopes, false)] {
+    for (shoot, round) in [(&rings as &dyn Shoot, true), (&slopes, false)] {
         let exact = make(shoot, Antialias::Grid, 4096, 4096);
         let error = |mode, samples| difference(&make(shoot, mode, samples, samples), &exact);
         for samples in [4, 16, 64] {

@@ -58,6 +58,10 @@ impl Light for Area {
     fn samples(&self) -> u32 {
         self.panel.samples
     }
+
+    fn is_sharp(&self) -> bool {
+        false
+    }
 }
 
 #[cfg(test)]

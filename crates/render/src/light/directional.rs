@@ -79,7 +79,11 @@ impl Light for Directional {
     }
 
     fn samples(&self) -> u32 {
-        if self.spread > 0.0 { self.samples } else { 1 }
+        if self.is_sharp() { 1 } else { self.samples }
+    }
+
+    fn is_sharp(&self) -> bool {
+        !(self.spread > 0.0)
     }
 }
 

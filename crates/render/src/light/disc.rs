@@ -66,6 +66,10 @@ impl Light for Disc {
     fn samples(&self) -> u32 {
         self.panel.samples
     }
+
+    fn is_sharp(&self) -> bool {
+        false
+    }
 }
 
 #[cfg(test)]

@@ -50,6 +50,9 @@ pub trait Light: Sized {
     fn samples(&self) -> u32 {
         1
     }
+
+    /// Whether it has no size: [`Self::sample`] is the same for all `u`.
+    fn is_sharp(&self) -> bool;
 }
 
 macro_rules! registry {
@@ -86,6 +89,12 @@ macro_rules! registry {
             #[must_use]
             pub fn samples(&self) -> u32 {
                 match self { $(Self::$variant(l) => l.samples(),)* }
+            }
+
+            /// See [`Light::is_sharp`].
+            #[must_use]
+            pub fn is_sharp(&self) -> bool {
+                match self { $(Self::$variant(l) => l.is_sharp(),)* }
             }
         }
     };

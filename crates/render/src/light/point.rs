@@ -60,7 +60,11 @@ impl Light for Point {
     }
 
     fn samples(&self) -> u32 {
-        if self.ball.radius > 0.0 { self.samples } else { 1 }
+        if self.is_sharp() { 1 } else { self.samples }
+    }
+
+    fn is_sharp(&self) -> bool {
+        !(self.ball.radius > 0.0)
     }
 }
 

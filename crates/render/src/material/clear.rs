@@ -95,6 +95,10 @@ impl Material for Clear {
         }
     }
 
+    fn is_opaque(&self) -> bool {
+        false
+    }
+
     fn bump(&self) -> Option<&Bump> {
         self.bump.as_ref()
     }

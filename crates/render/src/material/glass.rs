@@ -110,6 +110,10 @@ impl Material for Glass {
         }
     }
 
+    fn is_opaque(&self) -> bool {
+        false
+    }
+
     fn bump(&self) -> Option<&Bump> {
         self.bump.as_ref()
     }

@@ -158,6 +158,11 @@ pub trait Material: Sized {
     fn bump(&self) -> Option<&Bump> {
         None
     }
+
+    /// Whether it lets no light pass anywhere: [`Finish::shadow_pass`] is always 0.
+    fn is_opaque(&self) -> bool {
+        true
+    }
 }
 
 macro_rules! registry {
@@ -188,6 +193,12 @@ macro_rules! registry {
             #[must_use]
             pub fn finish(&self, point: &PatternPoint) -> Finish {
                 match self { $(Self::$variant(m) => m.finish(point),)* }
+            }
+
+            /// See [`Material::is_opaque`].
+            #[must_use]
+            pub fn is_opaque(&self) -> bool {
+                match self { $(Self::$variant(m) => m.is_opaque(),)* }
             }
 
             /// See [`Material::bump`].

@@ -75,6 +75,10 @@ impl Material for Patched {
         if second { self.second.finish(point) } else { self.first.finish(point) }
     }
 
+    fn is_opaque(&self) -> bool {
+        self.first.is_opaque() && self.second.is_opaque()
+    }
+
     fn bump(&self) -> Option<&Bump> {
         self.bump.as_ref()
     }

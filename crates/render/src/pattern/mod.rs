@@ -47,6 +47,17 @@ pub struct PatternPoint {
     pub world_normal: DVec3,
 }
 
+impl PatternPoint {
+    /// For what asks no pattern.
+    pub const NOWHERE: Self = Self {
+        object: DVec3::ZERO,
+        world: DVec3::ZERO,
+        uv: DVec2::ZERO,
+        object_normal: DVec3::Y,
+        world_normal: DVec3::Y,
+    };
+}
+
 /// The space in which a pattern lives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Space {

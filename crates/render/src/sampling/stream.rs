@@ -9,7 +9,7 @@ use dioptric_math::random;
 use super::{Antialias, sobol, strata};
 
 /// The numbers of one sample of one pixel.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Stream {
     kind: Kind,
     /// The key of the pixel and the seed.
@@ -51,11 +51,23 @@ impl Stream {
         self.point(key, self.sample, 1)
     }
 
+    /// Leaves out what [`Self::next_2d`] would give.
+    pub const fn skip(&mut self) {
+        self.dimension += 1;
+    }
+
+    /// The numbers for the second of two ways that part here; the first goes on with this stream.
+    #[must_use]
+    pub fn forked(&self) -> Self {
+        let key = random::mix(self.key ^ self.dimension.wrapping_mul(0x9fb2_1c65_1e98_df25));
+        Self { key, ..*self }
+    }
+
     /// `n` pairs in `[0, 1)`, evenly spread among themselves (for a light of which one sample of the
     /// pixel takes `n` samples) and, with Sobol's numbers, with those of the pixel's other samples.
     pub fn pairs(&mut self, n: u32) -> impl Iterator<Item = [f64; 2]> + use<> {
         let key = self.next_key();
-        let this = self.clone();
+        let this = *self;
         (0..n).map(move |i| this.point(key, this.sample.wrapping_mul(n).wrapping_add(i), n))
     }
 
