@@ -14,8 +14,10 @@
 pub mod bounds;
 pub mod bvh;
 pub mod group;
+pub mod mesh;
 pub mod mesh_data;
 pub mod placement;
+pub mod pool;
 pub mod ray;
 pub mod shape;
 pub mod shapes;
@@ -24,10 +26,11 @@ pub mod world;
 
 pub use bounds::Bounds;
 pub use group::GROUP_SCHEMA;
+pub use mesh::Mesh;
 pub use mesh_data::MeshData;
 pub use placement::{TRANSFORM_SCHEMAS, placement};
 pub use ray::{Contacts, Departure, HitId, Leaving, LocalRay, Ray};
-pub use shape::{Crossing, LocalSurface, Root, Shape, SurfacePoint};
+pub use shape::{Crossing, Described, LocalSurface, Root, Shape, SurfacePoint};
 pub use shapes::AnyShape;
 pub use transform::Transform;
 pub use world::{GroupId, Hit, PlacementError, Surface, World, WorldBuilder};

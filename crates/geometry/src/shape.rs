@@ -79,16 +79,7 @@ impl From<LocalSurface> for SurfacePoint {
 ///   Other parts of the same shape need `t` beyond the error bound.
 /// - No constant in scene units: shapes scaled by 1e-6 or 1e6 behave the same.
 /// - Hits come from inside as well as from outside.
-pub trait Shape: Sized {
-    /// The shape's manual page and parameters.
-    const SCHEMA: &'static Schema;
-
-    /// Builds the shape from checked arguments.
-    ///
-    /// # Errors
-    /// The arguments do not make a shape (zero height, collinear corners, ...).
-    fn from_args(args: &Args) -> Result<Self, Diagnostic>;
-
+pub trait Shape {
     /// A box around the shape; infinite where the shape is.
     fn bounds(&self) -> Bounds;
 
@@ -112,4 +103,22 @@ pub trait Shape: Sized {
     fn surface_point(&self, point: DVec3, part: u32) -> SurfacePoint {
         self.surface(point, part).into()
     }
+
+    /// Bytes that the shape keeps on the heap, where that is much: meshes and pools.
+    fn memory_bytes(&self) -> usize {
+        0
+    }
+}
+
+/// A shape that a scene can write by itself, with numbers alone: what the registry needs to know of it.
+/// (Meshes and pools are made from files and lists; whoever reads those makes the shape.)
+pub trait Described: Shape + Sized {
+    /// The shape's manual page and parameters.
+    const SCHEMA: &'static Schema;
+
+    /// Builds the shape from checked arguments.
+    ///
+    /// # Errors
+    /// The arguments do not make a shape (zero height, collinear corners, ...).
+    fn from_args(args: &Args) -> Result<Self, Diagnostic>;
 }

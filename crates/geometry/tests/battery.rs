@@ -23,7 +23,7 @@ fn crossings(s: &Specimen, ray: &LocalRay) -> Vec<Crossing> {
 fn every_registered_shape_has_a_specimen() {
     let all = specimens(HERE);
     for schema in SCHEMAS {
-        let found = all.iter().any(|s| s.shape.schema().kind == schema.kind);
+        let found = all.iter().any(|s| s.shape.kind() == schema.kind);
         assert!(found, "add a specimen of {} to tests/common/specimens.rs", schema.kind);
     }
 }
@@ -126,7 +126,7 @@ fn normals_and_tangents_agree_with_finite_differences() {
                 tangents += 1;
             }
             // What is cut out is seen from its other side.
-            let turned = s.shape.schema().kind == "difference";
+            let turned = s.shape.kind() == "difference";
             assert!(
                 turned || f.dpdu.cross(f.dpdv).dot(f.normal) >= 0.0,
                 "{}: tangents are left-handed",
@@ -145,7 +145,7 @@ fn solids_are_watertight_from_inside() {
     let (mut rays, mut at_rims) = (0, 0);
     every(4, |s, r| {
         let Some(inside) = s.inside.map(|p| s.place.point(p)) else {
-            assert!(!s.shape.is_solid() || s.shape.schema().kind == "plane", "{}", s.name);
+            assert!(!s.shape.is_solid() || s.shape.kind() == "plane", "{}", s.name);
             return;
         };
         assert!(s.shape.is_solid() && s.distance(inside) < 0.0, "{}", s.name);
@@ -183,7 +183,7 @@ fn crossings_alternate_and_agree_with_dense_sampling() {
                 continue;
             }
             assert!(all.is_sorted_by(|a, b| a.t <= b.t), "{}: {all:?}", s.name);
-            let half_space = s.shape.schema().kind == "plane";
+            let half_space = s.shape.kind() == "plane";
             let first_enters = all.first().is_none_or(|c| c.enters);
             assert!(
                 half_space || (first_enters && all.len().is_multiple_of(2)),

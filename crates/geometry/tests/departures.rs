@@ -10,7 +10,7 @@ use dioptric_math::DVec3;
 
 /// Combinations promise nothing about rays that graze them.
 fn combined(s: &Specimen) -> bool {
-    ["union", "intersection", "difference"].contains(&s.shape.schema().kind)
+    ["union", "intersection", "difference"].contains(&s.shape.kind())
 }
 
 #[test]
@@ -94,7 +94,7 @@ fn departures_that_rounding_contradicts_go_on() {
             if combined(s) || f.dpdu == DVec3::ZERO || f.dpdv == DVec3::ZERO {
                 continue;
             }
-            let flat = match s.shape.schema().kind {
+            let flat = match s.shape.kind() {
                 "box" | "tetrahedron" => true,
                 kind => ["cylinder", "cone"].contains(&kind) && root.part > 0,
             };

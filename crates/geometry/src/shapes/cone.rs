@@ -7,7 +7,7 @@ use dioptric_scene::{Args, Category, Default, Diagnostic, Param, Schema, Type};
 use super::frustum::{Frustum, ends, no_length, uv_doc};
 use crate::bounds::Bounds;
 use crate::ray::LocalRay;
-use crate::shape::{Crossing, LocalSurface, Root, Shape, SurfacePoint};
+use crate::shape::{Crossing, Described, LocalSurface, Root, Shape, SurfacePoint};
 
 /// A cone or cut cone with any axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,7 +66,7 @@ impl Cone {
     }
 }
 
-impl Shape for Cone {
+impl Described for Cone {
     const SCHEMA: &'static Schema = &SCHEMA;
 
     fn from_args(args: &Args) -> Result<Self, Diagnostic> {
@@ -80,7 +80,9 @@ impl Shape for Cone {
         let open = args.bool("open")?;
         Self::new(base, length, radius, top_radius, open).ok_or_else(|| no_length(args))
     }
+}
 
+impl Shape for Cone {
     fn bounds(&self) -> Bounds {
         self.0.bounds()
     }

@@ -8,7 +8,7 @@ use dioptric_scene::{Args, Category, Default, Diagnostic, Param, Schema, Type};
 use super::convex::{Chord, root};
 use crate::bounds::Bounds;
 use crate::ray::{Leaving, LocalRay};
-use crate::shape::{Crossing, LocalSurface, Root, Shape};
+use crate::shape::{Crossing, Described, LocalSurface, Root, Shape};
 
 /// All points between two corners. Part `2 k` is the face at the smaller coordinate of axis k, part
 /// `2 k + 1` the one at the larger.
@@ -96,7 +96,7 @@ impl Cuboid {
     }
 }
 
-impl Shape for Cuboid {
+impl Described for Cuboid {
     const SCHEMA: &'static Schema = &SCHEMA;
 
     fn from_args(args: &Args) -> Result<Self, Diagnostic> {
@@ -124,7 +124,9 @@ impl Shape for Cuboid {
         }
         Ok(Self::new(min.into(), max.into()))
     }
+}
 
+impl Shape for Cuboid {
     fn bounds(&self) -> Bounds {
         Bounds { min: self.min, max: self.max }
     }

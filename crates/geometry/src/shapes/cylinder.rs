@@ -7,7 +7,7 @@ use dioptric_scene::{Args, Category, Default, Diagnostic, Param, Schema, Type};
 use super::frustum::{Frustum, ends, no_length, uv_doc};
 use crate::bounds::Bounds;
 use crate::ray::LocalRay;
-use crate::shape::{Crossing, LocalSurface, Root, Shape, SurfacePoint};
+use crate::shape::{Crossing, Described, LocalSurface, Root, Shape, SurfacePoint};
 
 /// A cylinder with any axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,7 +53,7 @@ impl Cylinder {
     }
 }
 
-impl Shape for Cylinder {
+impl Described for Cylinder {
     const SCHEMA: &'static Schema = &SCHEMA;
 
     fn from_args(args: &Args) -> Result<Self, Diagnostic> {
@@ -61,7 +61,9 @@ impl Shape for Cylinder {
         let radius = args.number("radius")?;
         Self::new(base, length, radius, args.bool("open")?).ok_or_else(|| no_length(args))
     }
+}
 
+impl Shape for Cylinder {
     fn bounds(&self) -> Bounds {
         self.0.bounds()
     }

@@ -9,7 +9,7 @@ use super::convex::{plane_root, root};
 use super::frame::around;
 use crate::bounds::Bounds;
 use crate::ray::LocalRay;
-use crate::shape::{Crossing, LocalSurface, Root, Shape};
+use crate::shape::{Crossing, Described, LocalSurface, Root, Shape};
 
 /// All points of a plane between two circles around one centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,7 +60,7 @@ impl Disc {
     }
 }
 
-impl Shape for Disc {
+impl Described for Disc {
     const SCHEMA: &'static Schema = &SCHEMA;
 
     fn from_args(args: &Args) -> Result<Self, Diagnostic> {
@@ -80,7 +80,9 @@ impl Shape for Disc {
                     .help("write a vector of ordinary length, such as (0, 1, 0)")
             })
     }
+}
 
+impl Shape for Disc {
     fn bounds(&self) -> Bounds {
         circle_bounds(self.center, self.normal, self.radius)
     }

@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The registry of shapes: one line each. From it come the enum, its dispatch, the table of schemas
-//! and the list over which the batteries of tests run.
+//! and the list over which the batteries of tests run. Shapes that are made from files and lists (meshes and
+//! pools) stand in their own list: they have no schema of numbers.
+
+use std::sync::Arc;
 
 use dioptric_math::DVec3;
 use dioptric_scene::{Args, Diagnostic, Schema};
 
 use crate::bounds::Bounds;
+use crate::mesh::Mesh;
+use crate::pool::{Cones, Cylinders, Spheres};
 use crate::ray::LocalRay;
-use crate::shape::{Crossing, LocalSurface, Root, Shape, SurfacePoint};
+use crate::shape::{Crossing, Described, LocalSurface, Root, Shape, SurfacePoint};
 
 pub mod cone;
 mod convex;
@@ -28,15 +33,19 @@ pub mod torus;
 pub mod triangle;
 
 macro_rules! registry {
-    ($($variant:ident($ty:ty),)*) => {
+    (
+        described { $($variant:ident($ty:ty),)* }
+        bulk { $($bulk:ident($bulk_ty:ty, $kind:literal),)* }
+    ) => {
         /// Any shape, dispatched without a virtual call. Large ones are boxed, so that a sphere stays small.
         #[derive(Clone, Debug)]
         pub enum AnyShape {
             $(#[doc = concat!("A `", stringify!($ty), "`.")] $variant($ty),)*
+            $(#[doc = concat!("A `", stringify!($bulk_ty), "`.")] $bulk($bulk_ty),)*
         }
 
         /// The schemas of all shapes.
-        pub static SCHEMAS: &[&Schema] = &[$(<$ty as Shape>::SCHEMA,)*];
+        pub static SCHEMAS: &[&Schema] = &[$(<$ty as Described>::SCHEMA,)*];
 
         impl AnyShape {
             /// Builds the shape that a node describes; `None` where the node is no shape of this registry
@@ -46,63 +55,97 @@ macro_rules! registry {
             /// The arguments do not make a shape.
             pub fn from_args(args: &Args) -> Result<Option<Self>, Diagnostic> {
                 let kind = args.node().schema.kind;
-                $(if kind == <$ty as Shape>::SCHEMA.kind {
-                    return <$ty as Shape>::from_args(args).map(|s| Some(Self::$variant(s)));
+                $(if kind == <$ty as Described>::SCHEMA.kind {
+                    return <$ty as Described>::from_args(args).map(|s| Some(Self::$variant(s)));
                 })*
                 Ok(None)
             }
 
-            /// See [`Shape::SCHEMA`].
+            /// What scenes call such a shape.
             #[must_use]
-            pub fn schema(&self) -> &'static Schema {
-                match self { $(Self::$variant(_) => <$ty as Shape>::SCHEMA,)* }
+            pub fn kind(&self) -> &'static str {
+                match self {
+                    $(Self::$variant(_) => <$ty as Described>::SCHEMA.kind,)*
+                    $(Self::$bulk(_) => $kind,)*
+                }
+            }
+
+            /// See [`Shape::memory_bytes`].
+            #[must_use]
+            pub fn memory_bytes(&self) -> usize {
+                match self {
+                    $(Self::$variant(s) => s.memory_bytes(),)*
+                    $(Self::$bulk(s) => s.memory_bytes(),)*
+                }
             }
 
             /// See [`Shape::bounds`].
             #[must_use]
             pub fn bounds(&self) -> Bounds {
-                match self { $(Self::$variant(s) => s.bounds(),)* }
+                match self {
+                    $(Self::$variant(s) => s.bounds(),)*
+                    $(Self::$bulk(s) => s.bounds(),)*
+                }
             }
 
             /// See [`Shape::is_solid`].
             #[must_use]
             pub fn is_solid(&self) -> bool {
-                match self { $(Self::$variant(s) => s.is_solid(),)* }
+                match self {
+                    $(Self::$variant(s) => s.is_solid(),)*
+                    $(Self::$bulk(s) => s.is_solid(),)*
+                }
             }
 
             /// See [`Shape::is_convex`].
             #[must_use]
             pub fn is_convex(&self) -> bool {
-                match self { $(Self::$variant(s) => s.is_convex(),)* }
+                match self {
+                    $(Self::$variant(s) => s.is_convex(),)*
+                    $(Self::$bulk(s) => s.is_convex(),)*
+                }
             }
 
             /// See [`Shape::intersect`].
             #[must_use]
             pub fn intersect(&self, ray: &LocalRay) -> Option<Root> {
-                match self { $(Self::$variant(s) => s.intersect(ray),)* }
+                match self {
+                    $(Self::$variant(s) => s.intersect(ray),)*
+                    $(Self::$bulk(s) => s.intersect(ray),)*
+                }
             }
 
             /// See [`Shape::crossings`].
             pub fn crossings(&self, ray: &LocalRay, out: &mut Vec<Crossing>) {
-                match self { $(Self::$variant(s) => s.crossings(ray, out),)* }
+                match self {
+                    $(Self::$variant(s) => s.crossings(ray, out),)*
+                    $(Self::$bulk(s) => s.crossings(ray, out),)*
+                }
             }
 
             /// See [`Shape::surface`].
             #[must_use]
             pub fn surface(&self, point: DVec3, part: u32) -> LocalSurface {
-                match self { $(Self::$variant(s) => s.surface(point, part),)* }
+                match self {
+                    $(Self::$variant(s) => s.surface(point, part),)*
+                    $(Self::$bulk(s) => s.surface(point, part),)*
+                }
             }
 
             /// See [`Shape::surface_point`].
             #[must_use]
             pub fn surface_point(&self, point: DVec3, part: u32) -> SurfacePoint {
-                match self { $(Self::$variant(s) => s.surface_point(point, part),)* }
+                match self {
+                    $(Self::$variant(s) => s.surface_point(point, part),)*
+                    $(Self::$bulk(s) => s.surface_point(point, part),)*
+                }
             }
         }
     };
 }
 
 registry! {
+    described {
     Sphere(sphere::Sphere),
     Plane(Box<plane::Plane>),
     Cuboid(Box<cuboid::Cuboid>),
@@ -117,40 +160,60 @@ registry! {
     Union(Box<csg::Union>),
     Intersection(Box<csg::Intersection>),
     Difference(Box<csg::Difference>),
+    }
+    bulk {
+    Mesh(Arc<Mesh>, "mesh"),
+    Spheres(Arc<Spheres>, "spheres"),
+    Cylinders(Arc<Cylinders>, "cylinders"),
+    Cones(Arc<Cones>, "cones"),
+    }
 }
 
-impl<S: Shape> Shape for Box<S> {
+impl<S: Described> Described for Box<S> {
     const SCHEMA: &'static Schema = S::SCHEMA;
 
     fn from_args(args: &Args) -> Result<Self, Diagnostic> {
         S::from_args(args).map(Box::new)
     }
-
-    fn bounds(&self) -> Bounds {
-        (**self).bounds()
-    }
-
-    fn is_solid(&self) -> bool {
-        (**self).is_solid()
-    }
-
-    fn is_convex(&self) -> bool {
-        (**self).is_convex()
-    }
-
-    fn intersect(&self, ray: &LocalRay) -> Option<Root> {
-        (**self).intersect(ray)
-    }
-
-    fn crossings(&self, ray: &LocalRay, out: &mut Vec<Crossing>) {
-        (**self).crossings(ray, out);
-    }
-
-    fn surface(&self, point: DVec3, part: u32) -> LocalSurface {
-        (**self).surface(point, part)
-    }
-
-    fn surface_point(&self, point: DVec3, part: u32) -> SurfacePoint {
-        (**self).surface_point(point, part)
-    }
 }
+
+/// A pointer to a shape is a shape.
+macro_rules! pointer {
+    ($($pointer:ident)*) => {$(
+        impl<S: Shape> Shape for $pointer<S> {
+            fn bounds(&self) -> Bounds {
+                (**self).bounds()
+            }
+
+            fn is_solid(&self) -> bool {
+                (**self).is_solid()
+            }
+
+            fn is_convex(&self) -> bool {
+                (**self).is_convex()
+            }
+
+            fn intersect(&self, ray: &LocalRay) -> Option<Root> {
+                (**self).intersect(ray)
+            }
+
+            fn crossings(&self, ray: &LocalRay, out: &mut Vec<Crossing>) {
+                (**self).crossings(ray, out);
+            }
+
+            fn surface(&self, point: DVec3, part: u32) -> LocalSurface {
+                (**self).surface(point, part)
+            }
+
+            fn surface_point(&self, point: DVec3, part: u32) -> SurfacePoint {
+                (**self).surface_point(point, part)
+            }
+
+            fn memory_bytes(&self) -> usize {
+                size_of::<S>() + (**self).memory_bytes()
+            }
+        }
+    )*};
+}
+
+pointer!(Box Arc);

@@ -9,7 +9,7 @@ use super::convex::{plane_root, root};
 use super::frame::around;
 use crate::bounds::Bounds;
 use crate::ray::LocalRay;
-use crate::shape::{Crossing, LocalSurface, Root, Shape};
+use crate::shape::{Crossing, Described, LocalSurface, Root, Shape};
 
 /// A plane through a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,7 +53,7 @@ impl Plane {
     }
 }
 
-impl Shape for Plane {
+impl Described for Plane {
     const SCHEMA: &'static Schema = &SCHEMA;
 
     fn from_args(args: &Args) -> Result<Self, Diagnostic> {
@@ -62,7 +62,9 @@ impl Shape for Plane {
                 .help("write a vector of ordinary length, such as (0, 1, 0)")
         })
     }
+}
 
+impl Shape for Plane {
     fn bounds(&self) -> Bounds {
         // A normal along an axis bounds the half space on one side.
         let mut bounds = Bounds::EVERYTHING;

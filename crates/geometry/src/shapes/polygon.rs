@@ -10,7 +10,7 @@ use super::frame::around;
 use super::sheared::{Shear, area};
 use crate::bounds::Bounds;
 use crate::ray::LocalRay;
-use crate::shape::{Crossing, LocalSurface, Root, Shape, SurfacePoint};
+use crate::shape::{Crossing, Described, LocalSurface, Root, Shape, SurfacePoint};
 
 /// Corners may lie off the common plane by this share of the polygon's size, and by [`OFF_PLACE`] of
 /// their coordinates: as much as numbers written with five or six digits do.
@@ -166,7 +166,7 @@ fn points(list: &[Value]) -> Vec<DVec3> {
     list.iter().filter_map(point).collect()
 }
 
-impl Shape for Polygon {
+impl Described for Polygon {
     const SCHEMA: &'static Schema = &SCHEMA;
 
     fn from_args(args: &Args) -> Result<Self, Diagnostic> {
@@ -194,7 +194,9 @@ impl Shape for Polygon {
                 .help("move it into the plane, or cut the polygon into triangles"),
         })
     }
+}
 
+impl Shape for Polygon {
     fn bounds(&self) -> Bounds {
         self.bounds
     }

@@ -8,7 +8,7 @@ use dioptric_scene::{Args, Category, Default, Diagnostic, Param, Schema, Type};
 use super::convex::{plane_root, root};
 use crate::bounds::Bounds;
 use crate::ray::LocalRay;
-use crate::shape::{Crossing, LocalSurface, Root, Shape};
+use crate::shape::{Crossing, Described, LocalSurface, Root, Shape};
 
 /// A flat parallelogram, hit from both sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,7 +83,7 @@ impl Rectangle {
     }
 }
 
-impl Shape for Rectangle {
+impl Described for Rectangle {
     const SCHEMA: &'static Schema = &SCHEMA;
 
     fn from_args(args: &Args) -> Result<Self, Diagnostic> {
@@ -95,7 +95,9 @@ impl Shape for Rectangle {
                 )
         })
     }
+}
 
+impl Shape for Rectangle {
     fn bounds(&self) -> Bounds {
         let [c, u, v] = [self.corner, self.edge_u, self.edge_v];
         let tight = Bounds::of([c, c + u, c + v, c + u + v]);

@@ -11,7 +11,7 @@ use super::convex::{Chord, root};
 use super::frame::longitude;
 use crate::bounds::Bounds;
 use crate::ray::LocalRay;
-use crate::shape::{Crossing, LocalSurface, Root, Shape, SurfacePoint};
+use crate::shape::{Crossing, Described, LocalSurface, Root, Shape, SurfacePoint};
 
 /// A closed ball's surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,13 +73,15 @@ impl Sphere {
     }
 }
 
-impl Shape for Sphere {
+impl Described for Sphere {
     const SCHEMA: &'static Schema = &SCHEMA;
 
     fn from_args(args: &Args) -> Result<Self, Diagnostic> {
         Ok(Self::new(args.vec3("center")?.into(), args.number("radius")?))
     }
+}
 
+impl Shape for Sphere {
     fn bounds(&self) -> Bounds {
         let reach = self.radius + self.error();
         Bounds { min: self.center - reach, max: self.center + reach }

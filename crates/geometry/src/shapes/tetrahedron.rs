@@ -10,7 +10,7 @@ use super::sheared::triangle_normal;
 use super::triangle::barycentric;
 use crate::bounds::Bounds;
 use crate::ray::LocalRay;
-use crate::shape::{Crossing, LocalSurface, Root, Shape};
+use crate::shape::{Crossing, Described, LocalSurface, Root, Shape};
 
 /// Part `i` is the face opposite to corner `i`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -92,7 +92,7 @@ impl Tetrahedron {
     }
 }
 
-impl Shape for Tetrahedron {
+impl Described for Tetrahedron {
     const SCHEMA: &'static Schema = &SCHEMA;
 
     fn from_args(args: &Args) -> Result<Self, Diagnostic> {
@@ -103,7 +103,9 @@ impl Shape for Tetrahedron {
             )
         })
     }
+}
 
+impl Shape for Tetrahedron {
     fn bounds(&self) -> Bounds {
         self.bounds
     }

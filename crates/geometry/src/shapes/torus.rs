@@ -13,7 +13,7 @@ use super::frame::{around, longitude};
 use super::roots::{Pieces, cubic_turns, find, quartic_turns};
 use crate::bounds::Bounds;
 use crate::ray::LocalRay;
-use crate::shape::{Crossing, LocalSurface, Root, Shape};
+use crate::shape::{Crossing, Described, LocalSurface, Root, Shape};
 
 /// All points at distance `minor` from a circle of radius `major`.
 ///
@@ -199,7 +199,7 @@ impl Torus {
     }
 }
 
-impl Shape for Torus {
+impl Described for Torus {
     const SCHEMA: &'static Schema = &SCHEMA;
 
     fn from_args(args: &Args) -> Result<Self, Diagnostic> {
@@ -222,7 +222,9 @@ impl Shape for Torus {
             },
         )
     }
+}
 
+impl Shape for Torus {
     fn bounds(&self) -> Bounds {
         let ring = circle_bounds(self.center, self.axis, self.major);
         let reach = self.minor + self.error;

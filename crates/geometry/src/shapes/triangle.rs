@@ -9,7 +9,7 @@ use super::convex::{plane_root, root};
 use super::sheared::{Shear, area, triangle_normal};
 use crate::bounds::Bounds;
 use crate::ray::LocalRay;
-use crate::shape::{Crossing, LocalSurface, Root, Shape, SurfacePoint};
+use crate::shape::{Crossing, Described, LocalSurface, Root, Shape, SurfacePoint};
 
 /// A flat triangle, hit from both sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -109,7 +109,7 @@ impl Triangle {
     }
 }
 
-impl Shape for Triangle {
+impl Described for Triangle {
     const SCHEMA: &'static Schema = &SCHEMA;
 
     fn from_args(args: &Args) -> Result<Self, Diagnostic> {
@@ -132,7 +132,9 @@ impl Shape for Triangle {
         }
         Ok(triangle)
     }
+}
 
+impl Shape for Triangle {
     fn bounds(&self) -> Bounds {
         let tight = Bounds::of(self.corners);
         let error = gamma(8) * tight.min.abs().max(tight.max.abs()).max_element();

@@ -185,7 +185,7 @@ impl World {
         }
     }
 
-    /// Bytes on the heap, without what single shapes keep there for themselves.
+    /// Bytes on the heap, without what is inside of combinations and polygons.
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
         let levels = self.levels.iter().chain([&self.instance_level]);
@@ -195,6 +195,7 @@ impl World {
             + self.instances.capacity() * size_of::<Instance>()
             + self.levels.capacity() * size_of::<Level>()
             + levels.map(|level| level.bvh.memory_bytes()).sum::<usize>()
+            + self.objects.iter().map(|o| o.shape.memory_bytes()).sum::<usize>()
     }
 
     fn object(&self, id: u32) -> Option<&Object> {

@@ -181,7 +181,7 @@ impl Builder {
         subtracted: bool,
     ) -> Result<Added, CsgError> {
         if !shape.is_solid() {
-            return Err(CsgError::NotSolid(shape.schema().kind));
+            return Err(CsgError::NotSolid(shape.kind()));
         }
         if self.leaves.len() >= MAX_LEAVES {
             return Err(CsgError::TooMany);

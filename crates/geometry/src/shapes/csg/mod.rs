@@ -11,7 +11,7 @@ use dioptric_scene::{Args, Category, Diagnostic, NodeId, Param, Schema, Type};
 use super::AnyShape;
 use crate::bounds::Bounds;
 use crate::ray::{Leaving, LocalRay};
-use crate::shape::{Crossing, LocalSurface, Root, Shape};
+use crate::shape::{Crossing, Described, LocalSurface, Root, Shape};
 use crate::transform::Transform;
 use tree::{Gate, Output, Passage, passages};
 
@@ -162,14 +162,16 @@ fn part_of(p: &Passage) -> u32 {
     p.leaf << PART_BITS | (p.part & PART_MASK)
 }
 
-impl<const KIND: usize> Shape for Csg<KIND> {
+impl<const KIND: usize> Described for Csg<KIND> {
     const SCHEMA: &'static Schema = KINDS[KIND];
 
     fn from_args(args: &Args) -> Result<Self, Diagnostic> {
         let operand = build::read(args)?;
         Self::new(operand).map_err(|e| args.error_here("wrong-value", e.to_string()).help(e.help()))
     }
+}
 
+impl<const KIND: usize> Shape for Csg<KIND> {
     fn bounds(&self) -> Bounds {
         self.bounds
     }
