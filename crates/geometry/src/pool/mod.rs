@@ -21,6 +21,9 @@ pub type Cylinders = Pool<Cylinder>;
 /// Many cones. The part is 4 times the index of the cone, plus its own part (0 side, 1 base, 2 top).
 pub type Cones = Pool<Cone>;
 
+/// Coordinates of things in a pool are smaller.
+const LARGEST: f64 = 1e30;
+
 /// What can be in a pool.
 pub trait Pooled: Shape + Clone + Send + Sync {
     /// How many bits of a pool's part are the thing's own part.
@@ -53,8 +56,7 @@ pub struct Pool<S> {
 }
 
 impl<S: Pooled> Pool<S> {
-    /// Builds the tree over some things; those whose boxes are empty or not finite, also in f32, are left
-    /// out. `None` where there are more than parts can number (2^32, or 2^30 of those with parts).
+    /// Builds the tree over some things; those whose boxes are empty or reach beyond 10^30 are left out. `None` where there are more than parts can number (2^32, or 2^30 of those with parts).
     ///
     /// Uses the pool of threads that it is called in, if any; the result is the same for any number.
     #[must_use]
@@ -64,13 +66,17 @@ impl<S: Pooled> Pool<S> {
         }
         let mut bounds = Bounds::EMPTY;
         for b in given.iter().map(Shape::bounds) {
-            if b.is_finite() && !b.is_empty() {
+            let largest = b.min.abs().max(b.max.abs()).max_element();
+            if largest < LARGEST && !b.is_empty() {
                 bounds = bounds.union(b);
             }
         }
         let center = if bounds.is_empty() { DVec3::ZERO } else { bounds.center() };
         let kept: Vec<u32> = (0..given.len() as u32)
-            .filter(|&i| given.get(i as usize).is_some_and(|s| Bvh::can_hold(&s.bounds(), center)))
+            .filter(|&i| {
+                let b = given.get(i as usize).map_or(Bounds::EMPTY, Shape::bounds);
+                b.union(bounds) == bounds && Bvh::can_hold(&b, center)
+            })
             .collect();
         let boxes =
             kept.iter().map(|&i| given.get(i as usize).map_or(Bounds::EMPTY, Shape::bounds));
