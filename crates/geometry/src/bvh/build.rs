@@ -5,14 +5,14 @@
 //! Every subtree owns a fixed part of the arrays (a range of `n` items needs at most `n - 1` nodes),
 //! so that subtrees can be built by several threads with the same result as by one.
 
-use dioptric_math::{DVec3, Vec4};
+use dioptric_math::DVec3;
 
-use super::{Bvh, Child, MAX_DEPTH, Node};
+use super::{Bvh, Child, Lanes, MAX_DEPTH, Node, WIDTH};
 use crate::bounds::Bounds;
 
 const BINS: usize = 16;
 /// Leaves hold no more items, even where nothing tells them apart.
-const MAX_LEAF: usize = 8;
+const MAX_LEAF: usize = Child::MAX_COUNT;
 /// The cost of a visit to a node, in tests of an item.
 const VISIT_COST: f64 = 1.5;
 /// Below this many items a second thread costs more than it saves.
@@ -93,10 +93,11 @@ pub(super) fn build(
     center: DVec3,
 ) -> (Bvh, Vec<u32>) {
     let mut items: Vec<Item> = boxes
+        .take(Bvh::MAX_ITEMS)
         .zip(0..)
         .map(|(b, index)| Item { bounds: Box32::around(&b, center), index })
         .collect();
-    let mut bvh = Bvh { nodes: Vec::new(), center, extent: 0.0, depth: 1 };
+    let mut bvh = Bvh { nodes: Vec::new(), center, extent: 0.0, depth: 1, lanes: Lanes::best() };
     if items.is_empty() {
         return (bvh, Vec::new());
     }
@@ -140,7 +141,7 @@ impl Range<'_> {
             let c = item.centers();
             centers.grow(&Box32 { min: c, max: c });
         }
-        let leaf = Built { child: Child { first: self.first, count: n as u32 }, bounds };
+        let leaf = Built { child: Child::leaf(self.first as usize, n.min(MAX_LEAF)), bounds };
         if n == 1 {
             return leaf;
         }
@@ -185,7 +186,7 @@ impl Range<'_> {
         };
         *split =
             Split2 { bounds: [left.bounds, right.bounds], children: [left.child, right.child] };
-        Built { child: Child { first: self.base, count: 0 }, bounds }
+        Built { child: Child::inner(self.base as usize), bounds }
     }
 }
 
@@ -289,19 +290,20 @@ struct Pending {
     parent: Option<(usize, usize)>,
 }
 
-/// Joins splits in two to nodes of four: of the parts of a node the one with the largest box is split
+/// Joins splits in two to nodes of eight: of the parts of a node the one with the largest box is split
 /// on, as long as there is room. Each node is followed by its first child's subtree.
 fn widen(bvh: &mut Bvh, splits: &[Split2], root: &Built) {
     let mut pending = vec![Pending { subtree: *root, depth: 1, parent: None }];
     while let Some(Pending { subtree, depth, parent }) = pending.pop() {
-        let mut parts = [Built { child: Child { first: 0, count: 1 }, bounds: Box32::EMPTY }; 4];
+        let mut parts = [Built { child: Child::default(), bounds: Box32::EMPTY }; WIDTH];
         parts[0] = subtree;
         let mut used = 1;
-        while used < 4 {
-            let inner = (0..used).filter(|&i| parts[i].child.count == 0);
-            let area = |i: &usize| parts[*i].bounds.half_area();
-            let Some(largest) = inner.max_by(|a, b| area(a).total_cmp(&area(b))) else { break };
-            let Some(split) = splits.get(parts[largest].child.first as usize) else { break };
+        while used < WIDTH {
+            let inner = (0..used).filter_map(|i| Some((i, parts[i].child.node()?)));
+            let area = |i: usize| parts[i].bounds.half_area();
+            let largest = inner.max_by(|a, b| area(a.0).total_cmp(&area(b.0)));
+            let Some((largest, index)) = largest else { break };
+            let Some(split) = splits.get(index) else { break };
             let [left, right] =
                 [0, 1].map(|i| Built { child: split.children[i], bounds: split.bounds[i] });
             parts[largest] = left;
@@ -313,17 +315,17 @@ fn widen(bvh: &mut Bvh, splits: &[Split2], root: &Built) {
         bvh.nodes.push(Node {
             planes: std::array::from_fn(|plane| {
                 let side = |b: &Box32| if plane % 2 == 0 { b.min } else { b.max }[plane / 2];
-                Vec4::from_array(parts.map(|part| side(&part.bounds)))
+                parts.map(|part| side(&part.bounds))
             }),
             children: parts.map(|part| part.child),
         });
         if let Some((parent, lane)) = parent
             && let Some(node) = bvh.nodes.get_mut(parent)
         {
-            node.children[lane].first = index as u32;
+            node.children[lane] = Child::inner(index);
         }
         for lane in (0..used).rev() {
-            if parts[lane].child.count == 0 {
+            if parts[lane].child.node().is_some() {
                 pending.push(Pending {
                     subtree: parts[lane],
                     depth: depth + 1,

@@ -6,34 +6,74 @@
 //!
 //! A box test never loses a hit: boxes are rounded outward to f32 about an f64 centre, and a
 //! [`BoxRay`] widens them by a pad that bounds every error of the test and of what lies in the leaves.
+//! Boxes are tested eight at a time, with the best instructions that the processor has ([`Lanes`]).
 
 mod build;
+#[allow(unsafe_code)]
+mod lanes;
+mod ray;
+#[allow(unsafe_code)]
 mod traverse;
 
-use dioptric_math::{DVec3, Vec4};
+use std::ops::Range;
+
+use dioptric_math::DVec3;
 
 use crate::bounds::Bounds;
 
-pub use traverse::{BoxRay, Count, Counter, NoCount};
+pub use lanes::Lanes;
+pub use ray::BoxRay;
+pub use traverse::{Count, Counter, NoCount};
 
 /// No way from the root has more splits: the build falls back to halving in time.
 const MAX_DEPTH: usize = 64;
+/// Children of a node.
+const WIDTH: usize = 8;
 
-/// Up to four child boxes and where the children are: two cache lines. A child that is missing has
+/// Up to eight child boxes and where the children are: four cache lines. A child that is missing has
 /// an inverted box, which no ray enters.
 #[derive(Clone, Copy, Debug)]
-#[repr(align(64))]
+#[repr(C, align(64))]
 struct Node {
     /// `planes[2 * axis + side]`, a lane for each child; side 0 is the smaller one.
-    planes: [Vec4; 6],
-    children: [Child; 4],
+    planes: [[f32; WIDTH]; 6],
+    children: [Child; WIDTH],
 }
 
-/// A leaf, `first .. first + count` of the items; or the node `first` where `count` is 0.
-#[derive(Clone, Copy, Debug, Default)]
-struct Child {
-    first: u32,
-    count: u32,
+/// An inner node, by its index; or with the highest bit a leaf: three bits for the number of its items
+/// less one, then the index of the first.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Child(u32);
+
+impl Child {
+    const LEAF: u32 = 1 << 31;
+    const COUNT_SHIFT: u32 = 28;
+    /// Leaves hold no more items.
+    const MAX_COUNT: usize = 8;
+    /// Indices are below.
+    const MAX_INDEX: usize = 1 << Self::COUNT_SHIFT;
+
+    const fn inner(index: usize) -> Self {
+        Self(index as u32)
+    }
+
+    const fn leaf(first: usize, count: usize) -> Self {
+        Self(Self::LEAF | ((count - 1) as u32) << Self::COUNT_SHIFT | first as u32)
+    }
+
+    /// The index of the node, if it is one.
+    #[inline(always)]
+    const fn node(self) -> Option<usize> {
+        if self.0 & Self::LEAF == 0 { Some(self.0 as usize) } else { None }
+    }
+
+    /// The items of a leaf.
+    #[inline(always)]
+    const fn items(self) -> Range<usize> {
+        let first = self.0 as usize & (Self::MAX_INDEX - 1);
+        let count = 1 + (self.0 >> Self::COUNT_SHIFT & 7) as usize;
+        first..first + count
+    }
 }
 
 /// A tree of boxes.
@@ -46,11 +86,17 @@ pub struct Bvh {
     extent: f64,
     /// The nodes on the longest way from the root.
     depth: usize,
+    /// How the queries are run; never more than the processor has.
+    lanes: Lanes,
 }
 
 impl Bvh {
+    /// A tree holds no more boxes.
+    pub const MAX_ITEMS: usize = Child::MAX_INDEX;
+
     /// Builds the tree over `boxes` (finite, not empty: see [`Bvh::can_hold`]) and returns it with the
     /// order in which leaf ranges count: range `a..b` means `boxes[order[a]] .. boxes[order[b - 1]]`.
+    /// Boxes beyond [`Bvh::MAX_ITEMS`] are left out.
     ///
     /// Uses the pool of threads that it is called in, if it is called in one; the result is the same
     /// for any number of threads.
@@ -69,5 +115,11 @@ impl Bvh {
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
         self.nodes.capacity() * size_of::<Node>()
+    }
+
+    /// Runs the queries on these instructions, or the best below them that there are: for tests.
+    #[doc(hidden)]
+    pub fn use_lanes(&mut self, lanes: Lanes) {
+        self.lanes = lanes.or_less();
     }
 }

@@ -1,18 +1,16 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Walking the tree, near boxes first.
-//!
-//! Slabs after Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013, with its relative factor replaced by
-//! an absolute pad in [`BoxRay`], which also covers hits a little behind the origin. Lanes are glam's,
-//! which are SSE2 or NEON registers; they only reject (invariant 2), so no bit of a hit depends on them.
+//! Walking the tree, near boxes first: one walk, compiled once for each instruction set.
 
 use std::ops::Range;
 
-use dioptric_math::{DVec3, Vec4};
-
-use super::{Bvh, Child, MAX_DEPTH, Node};
+use super::lanes::plain::Plain;
+use super::lanes::{Lanes, Test};
+use super::{BoxRay, Bvh, Child, MAX_DEPTH, WIDTH};
 
 /// Counts what a query costs; the empty one, [`NoCount`], compiles to nothing.
 pub trait Counter {
+    /// Whether it counts: then the instruction set is always the same, and so are the counts.
+    const COUNTS: bool = true;
     /// `n` boxes were tested.
     fn boxes(&mut self, n: u32);
     /// `n` shapes were tested.
@@ -24,6 +22,7 @@ pub trait Counter {
 pub struct NoCount;
 
 impl Counter for NoCount {
+    const COUNTS: bool = false;
     fn boxes(&mut self, _: u32) {}
     fn shapes(&mut self, _: u32) {}
 }
@@ -47,94 +46,30 @@ impl Counter for Count {
     }
 }
 
-/// A ray as boxes see it, in single precision: about the tree's centre, its direction scaled so that
-/// the largest component is 1.
-#[derive(Clone, Copy, Debug)]
-pub struct BoxRay {
-    /// The origin moved by the pad along the direction, in each axis: near planes come earlier.
-    near: [Vec4; 3],
-    /// The origin moved back: far planes come later.
-    far: [Vec4; 3],
-    inverse: [Vec4; 3],
-    /// 1 where the direction is negative: which side of a box is the far one.
-    negative: [usize; 3],
-    /// From `t` to the scaled direction's.
-    scale: f64,
-}
+/// What is still to be visited: the bits of where the ray enters it above those of the child. Distances
+/// are at least 0, so these numbers are in the order of the distances.
+#[derive(Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
+struct Task(u64);
 
-/// Components of the direction below this part of the largest count as this much: over the whole scene
-/// that moves a ray by less than its pad.
-const SMALLEST: f64 = 1e-30;
-
-impl BoxRay {
-    /// A ray for this tree. All boxes count as larger by `pad` on every side: what the things in the
-    /// leaves may lie outside of their boxes. The test's own errors come on top of that.
-    #[must_use]
-    pub fn new(origin: DVec3, direction: DVec3, bvh: &Bvh, pad: f64) -> Self {
-        let scale = direction.abs().max_element();
-        let relative = origin - bvh.center;
-        let reach = relative.abs().max_element() + bvh.extent;
-        // The origin's rounding to f32 and three more roundings, each 2^-24 of the reach at most; the
-        // last term where f32 has few digits left.
-        let pad = pad + reach * (8.0 / f64::from(1u32 << 24)) + f64::from(f32::MIN_POSITIVE);
-        let in_range = reach + pad < 1e30; // false where NaN, too
-        let mut this = Self {
-            near: [Vec4::ZERO; 3],
-            far: [Vec4::ZERO; 3],
-            inverse: [Vec4::ZERO; 3],
-            negative: [0; 3],
-            scale,
-        };
-        for axis in 0..3 {
-            let d = direction[axis];
-            let smallest = (SMALLEST * scale).max(f64::MIN_POSITIVE);
-            let d = if d.abs() > smallest { d } else { smallest.copysign(d) };
-            let step = 1.0_f64.copysign(d);
-            // Without a usable origin all boxes are entered.
-            let (near, far) = if in_range {
-                (relative[axis] + pad * step, relative[axis] - pad * step)
-            } else {
-                (f64::from(f32::MAX) * step, f64::from(f32::MAX) * -step)
-            };
-            this.near[axis] = Vec4::splat(near as f32);
-            this.far[axis] = Vec4::splat(far as f32);
-            this.inverse[axis] = Vec4::splat((scale / d) as f32);
-            this.negative[axis] = usize::from(d < 0.0);
-        }
-        this
+impl Task {
+    #[inline(always)]
+    fn new(child: Child, near: f32) -> Self {
+        Self(u64::from(near.to_bits()) << 32 | u64::from(child.0))
     }
 
-    /// `t_max` in the scaled direction's units, rounded up.
-    fn limit(&self, t_max: f64) -> f32 {
-        ((t_max * self.scale) as f32).next_up().min(f32::MAX)
+    #[inline(always)]
+    fn child(self) -> Child {
+        Child(self.0 as u32)
+    }
+
+    #[inline(always)]
+    fn near(self) -> f32 {
+        f32::from_bits((self.0 >> 32) as u32)
     }
 }
 
-impl Node {
-    /// Where the ray enters the boxes, at least 0, and a bit for each box that it enters at `limit` or
-    /// before.
-    #[inline]
-    fn enter(&self, ray: &BoxRay, limit: f32) -> ([f32; 4], u32) {
-        let mut near = Vec4::ZERO;
-        let mut far = Vec4::splat(limit);
-        for axis in 0..3 {
-            let side = ray.negative[axis];
-            // No NaN: the inverse is finite and at least 1, and only planes can be infinite.
-            let t0 = (self.planes[2 * axis + side] - ray.near[axis]) * ray.inverse[axis];
-            let t1 = (self.planes[2 * axis + 1 - side] - ray.far[axis]) * ray.inverse[axis];
-            near = near.max(t0);
-            far = far.min(t1);
-        }
-        (near.to_array(), near.cmple(far).bitmask())
-    }
-}
-
-/// What is still to be visited, and where the ray enters it.
-#[derive(Clone, Copy)]
-struct Task {
-    child: Child,
-    near: f32,
-}
+/// A level leaves at most this many tasks behind.
+const LEFT: usize = WIDTH - 1;
 
 impl Bvh {
     /// Hands every leaf whose box the ray enters at `t <= t_max` to `leaf`, nearer boxes first.
@@ -149,70 +84,151 @@ impl Bvh {
         counter: &mut C,
         leaf: impl FnMut(Range<usize>, f64, &mut C) -> Option<f64>,
     ) -> Option<f64> {
-        // A level leaves at most three tasks behind. A small stack is faster to set up.
-        if self.depth <= 4 {
-            self.walk::<16, C>(ray, t_max, counter, leaf)
-        } else if self.depth <= 21 {
-            self.walk::<64, C>(ray, t_max, counter, leaf)
-        } else {
-            self.walk::<{ 3 * MAX_DEPTH + 1 }, C>(ray, t_max, counter, leaf)
+        let lanes = if C::COUNTS { Lanes::Plain } else { self.lanes };
+        match lanes {
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: a tree's `lanes` are never more than the processor has.
+            Lanes::Avx512 => unsafe { visit_avx512(self, ray, t_max, counter, leaf) },
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: as above.
+            Lanes::Avx2 => unsafe { visit_avx2(self, ray, t_max, counter, leaf) },
+            // SAFETY: there is no instruction set to answer for.
+            _ => unsafe { sized::<Plain, C>(self, ray, t_max, counter, leaf) },
         }
     }
+}
 
-    #[inline]
-    fn walk<const STACK: usize, C: Counter>(
-        &self,
-        ray: &BoxRay,
-        mut t_max: f64,
-        counter: &mut C,
-        mut leaf: impl FnMut(Range<usize>, f64, &mut C) -> Option<f64>,
-    ) -> Option<f64> {
-        if self.nodes.is_empty() {
-            return Some(t_max);
+/// # Safety
+/// The processor has the instruction set.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma,avx512f,avx512vl,avx512dq")]
+fn visit_avx512<C: Counter>(
+    bvh: &Bvh,
+    ray: &BoxRay,
+    t_max: f64,
+    counter: &mut C,
+    leaf: impl FnMut(Range<usize>, f64, &mut C) -> Option<f64>,
+) -> Option<f64> {
+    // SAFETY: the features of this function.
+    unsafe { sized::<super::lanes::avx512::Avx512, C>(bvh, ray, t_max, counter, leaf) }
+}
+
+/// # Safety
+/// The processor has the instruction set.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+fn visit_avx2<C: Counter>(
+    bvh: &Bvh,
+    ray: &BoxRay,
+    t_max: f64,
+    counter: &mut C,
+    leaf: impl FnMut(Range<usize>, f64, &mut C) -> Option<f64>,
+) -> Option<f64> {
+    // SAFETY: the features of this function.
+    unsafe { sized::<super::lanes::avx2::Avx2, C>(bvh, ray, t_max, counter, leaf) }
+}
+
+/// A small stack is faster to set up.
+///
+/// # Safety
+/// The processor has the instruction set of `T`.
+#[inline(always)]
+unsafe fn sized<T: Test, C: Counter>(
+    bvh: &Bvh,
+    ray: &BoxRay,
+    t_max: f64,
+    counter: &mut C,
+    leaf: impl FnMut(Range<usize>, f64, &mut C) -> Option<f64>,
+) -> Option<f64> {
+    // SAFETY: the caller answers for the instruction set.
+    unsafe {
+        if bvh.depth <= 4 {
+            walk::<T, { 4 * LEFT + 1 }, C>(bvh, ray, t_max, counter, leaf)
+        } else if bvh.depth <= 16 {
+            walk::<T, { 16 * LEFT + 1 }, C>(bvh, ray, t_max, counter, leaf)
+        } else {
+            walk::<T, { MAX_DEPTH * LEFT + 1 }, C>(bvh, ray, t_max, counter, leaf)
         }
-        let mut limit = ray.limit(t_max);
-        let mut stack = [Task { child: Child { first: 0, count: 0 }, near: 0.0 }; STACK];
-        let mut top = 0;
-        let mut at = Child { first: 0, count: 0 };
-        loop {
-            if at.count == 0 {
-                let node = &self.nodes[at.first as usize];
-                counter.boxes(4);
-                let (near, mut entered) = node.enter(ray, limit);
-                if entered != 0 {
-                    let bottom = top;
-                    while entered != 0 {
-                        let lane = entered.trailing_zeros() as usize;
-                        entered &= entered - 1;
-                        // Sorted, the nearest on top.
-                        let task = Task { child: node.children[lane], near: near[lane] };
-                        let mut slot = top;
-                        while slot > bottom && stack[slot - 1].near < task.near {
-                            stack[slot] = stack[slot - 1];
-                            slot -= 1;
-                        }
-                        stack[slot] = task;
-                        top += 1;
-                    }
-                    top -= 1;
-                    at = stack[top].child;
+    }
+}
+
+/// # Safety
+/// The processor has the instruction set of `T`.
+#[inline(always)]
+unsafe fn walk<T: Test, const STACK: usize, C: Counter>(
+    bvh: &Bvh,
+    ray: &BoxRay,
+    mut t_max: f64,
+    counter: &mut C,
+    mut leaf: impl FnMut(Range<usize>, f64, &mut C) -> Option<f64>,
+) -> Option<f64> {
+    if bvh.nodes.is_empty() {
+        return Some(t_max);
+    }
+    // SAFETY: the caller answers for the instruction set.
+    let spread = unsafe { T::spread(ray) };
+    let mut limit = ray.limit(t_max);
+    let mut stack = [Task(0); STACK];
+    let mut top = 0;
+    let mut at = Child::inner(0);
+    loop {
+        if let Some(index) = at.node() {
+            let node = &bvh.nodes[index];
+            counter.boxes(WIDTH as u32);
+            // SAFETY: the caller answers for the instruction set.
+            let (near, mut entered) = unsafe { T::enter(node, &spread, limit) };
+            let task = |entered: u32| {
+                let lane = entered.trailing_zeros() as usize % WIDTH;
+                Task::new(node.children[lane], near[lane])
+            };
+            if entered != 0 {
+                let first = task(entered);
+                entered &= entered - 1;
+                if entered == 0 {
+                    at = first.child();
                     continue;
                 }
-            } else {
-                let first = at.first as usize;
-                t_max = leaf(first..first + at.count as usize, t_max, counter)?;
-                limit = ray.limit(t_max);
+                let second = task(entered);
+                entered &= entered - 1;
+                let (mut nearer, mut farther) = (first.min(second), first.max(second));
+                if entered == 0 {
+                    stack[top] = farther;
+                    top += 1;
+                    at = nearer.child();
+                    continue;
+                }
+                // Three and more: sorted into the stack, the nearest on top.
+                let bottom = top;
+                stack[top] = farther;
+                top += 1;
+                while entered != 0 {
+                    let next = task(entered);
+                    entered &= entered - 1;
+                    (nearer, farther) = (nearer.min(next), nearer.max(next));
+                    let mut slot = top;
+                    while slot > bottom && stack[slot - 1] < farther {
+                        stack[slot] = stack[slot - 1];
+                        slot -= 1;
+                    }
+                    stack[slot] = farther;
+                    top += 1;
+                }
+                at = nearer.child();
+                continue;
             }
-            loop {
-                if top == 0 {
-                    return Some(t_max);
-                }
-                top -= 1;
-                // Not `<`: another hit at the same t may have a lower id.
-                if stack[top].near <= limit {
-                    at = stack[top].child;
-                    break;
-                }
+        } else {
+            t_max = leaf(at.items(), t_max, counter)?;
+            limit = ray.limit(t_max);
+        }
+        loop {
+            if top == 0 {
+                return Some(t_max);
+            }
+            top -= 1;
+            // Not `<`: another hit at the same t may have a lower id.
+            if stack[top].near() <= limit {
+                at = stack[top].child();
+                break;
             }
         }
     }

@@ -229,7 +229,7 @@ impl Level {
             let nothing = b.is_empty() && !(b.min.is_nan() || b.max.is_nan());
             if nothing {
                 empty.push(index);
-            } else if Bvh::can_hold(&b, center) {
+            } else if bounded.len() < Bvh::MAX_ITEMS && Bvh::can_hold(&b, center) {
                 bounded.push(index);
             } else {
                 unbounded.push(index);

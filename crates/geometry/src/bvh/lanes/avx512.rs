@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Eight boxes with AVX-512: masks in registers of their own, and more room for the ray.
+
+use std::arch::x86_64::{
+    _CMP_LE_OQ, _mm256_cmp_ps_mask, _mm256_min_ps, _mm256_set1_ps, _mm256_storeu_ps,
+};
+
+use super::avx2::{self, Spread};
+use super::{BoxRay, Entries, Node, Test, WIDTH};
+
+pub(in super::super) struct Avx512;
+
+impl Test for Avx512 {
+    type Spread = Spread;
+
+    #[inline(always)]
+    unsafe fn spread(ray: &BoxRay) -> Spread {
+        // SAFETY: the caller answers for the instruction set, which contains AVX2 and FMA.
+        unsafe { avx2::spread(ray) }
+    }
+
+    #[inline(always)]
+    unsafe fn enter(node: &Node, ray: &Spread, limit: f32) -> (Entries, u32) {
+        // SAFETY: as above; the array has the size of a register.
+        unsafe {
+            let (near, far) = avx2::slabs(node, ray);
+            let far = _mm256_min_ps(far, _mm256_set1_ps(limit));
+            let entered = _mm256_cmp_ps_mask::<_CMP_LE_OQ>(near, far);
+            let mut entries = [0.0; WIDTH];
+            _mm256_storeu_ps(entries.as_mut_ptr(), near);
+            (entries, u32::from(entered))
+        }
+    }
+}
