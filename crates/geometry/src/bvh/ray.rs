@@ -47,8 +47,8 @@ impl BoxRay {
         // products together may be twice the reach; then the double errors of the products. The last
         // term counts where f32 has few digits left.
         let pad = pad + reach * (16.0 / f64::from(1u32 << 24)) + f64::from(f32::MIN_POSITIVE);
-        // False where NaN, too. Without a usable origin all boxes are entered.
-        let usable = reach + pad < LARGEST;
+        // False where NaN, too. A ray without use enters all boxes.
+        let usable = reach + pad < LARGEST && scale > 0.0 && scale < f64::INFINITY;
         let smallest = (SMALLEST * scale).max(f64::MIN_POSITIVE);
         let mut this =
             Self { near: [0.0; 3], far: [0.0; 3], inverse: [0.0; 3], negative: [0; 3], scale };
