@@ -7,7 +7,7 @@
 
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{ErrorKind, Read};
+use std::io::{Cursor, ErrorKind, Read};
 use std::path::{Component, Path, PathBuf};
 
 use crate::diagnostic::Diagnostic;
@@ -20,6 +20,14 @@ pub trait Loader: Send + Sync {
     /// # Errors
     /// It is not there, not allowed, too large or cannot be read.
     fn read(&self, path: &str) -> Result<Vec<u8>, LoadError>;
+
+    /// The file from its start, for readers that need not have all of it at once: meshes.
+    ///
+    /// # Errors
+    /// As [`Self::read`]; what goes wrong later is told by the reader.
+    fn open(&self, path: &str) -> Result<Box<dyn Read + '_>, LoadError> {
+        Ok(Box::new(Cursor::new(self.read(path)?)))
+    }
 }
 
 /// Why a file could not be had. `path` is the one that the scene wrote.
@@ -135,8 +143,9 @@ impl FolderLoader {
     }
 }
 
-impl Loader for FolderLoader {
-    fn read(&self, path: &str) -> Result<Vec<u8>, LoadError> {
+impl FolderLoader {
+    /// The file, if it may be read, and how large it is.
+    fn file(&self, path: &str) -> Result<(File, u64), LoadError> {
         let unreadable = |why: &str| LoadError::Unreadable { path: path.into(), why: why.into() };
         let outside = || LoadError::Outside { path: path.into() };
         let full = self.root.join(path);
@@ -159,16 +168,32 @@ impl Loader for FolderLoader {
         if !meta.is_file() {
             return Err(unreadable(if meta.is_dir() { "it is a folder" } else { "it is no file" }));
         }
-        let too_large = || LoadError::TooLarge { path: path.into(), limit: self.max_bytes };
         if meta.len() > self.max_bytes {
-            return Err(too_large());
+            return Err(self.too_large(path));
         }
-        let mut bytes = Vec::new();
         let file = File::open(&real).map_err(|e| unreadable(words(e.kind())))?;
-        file.take(self.max_bytes.saturating_add(1))
-            .read_to_end(&mut bytes)
-            .map_err(|e| unreadable(words(e.kind())))?;
-        if bytes.len() as u64 > self.max_bytes { Err(too_large()) } else { Ok(bytes) }
+        Ok((file, meta.len()))
+    }
+
+    fn too_large(&self, path: &str) -> LoadError {
+        LoadError::TooLarge { path: path.into(), limit: self.max_bytes }
+    }
+}
+
+impl Loader for FolderLoader {
+    fn read(&self, path: &str) -> Result<Vec<u8>, LoadError> {
+        let (file, _) = self.file(path)?;
+        let mut bytes = Vec::new();
+        file.take(self.max_bytes.saturating_add(1)).read_to_end(&mut bytes).map_err(|e| {
+            LoadError::Unreadable { path: path.into(), why: words(e.kind()).into() }
+        })?;
+        if bytes.len() as u64 > self.max_bytes { Err(self.too_large(path)) } else { Ok(bytes) }
+    }
+
+    fn open(&self, path: &str) -> Result<Box<dyn Read + '_>, LoadError> {
+        // What is appended while it is read is not read.
+        let (file, length) = self.file(path)?;
+        Ok(Box::new(file.take(length)))
     }
 }
 
@@ -263,6 +288,10 @@ mod tests {
         let loader = FolderLoader::new(folder.0.join("scene"));
         assert_eq!(loader.read("maps/sky.png").unwrap(), b"sky");
         assert_eq!(loader.read("maps/../maps/sky.png").unwrap(), b"sky");
+        let mut opened = Vec::new();
+        loader.open("maps/sky.png").unwrap().read_to_end(&mut opened).unwrap();
+        assert_eq!(opened, b"sky");
+        assert!(matches!(loader.open("../secret.txt"), Err(LoadError::Outside { .. })));
         let secret = folder.0.join("secret.txt");
         for path in ["../secret.txt", "../nothing", secret.to_str().unwrap(), "/nothing"] {
             assert_eq!(loader.read(path), Err(LoadError::Outside { path: path.into() }));

@@ -8,6 +8,7 @@
 
 mod batch;
 mod builder;
+mod cast;
 mod query;
 
 use dioptric_math::bounds::gamma;
@@ -22,6 +23,7 @@ use crate::transform::Transform;
 
 pub use batch::Query;
 pub use builder::{GroupId, PlacementError, WorldBuilder};
+pub use cast::each;
 
 /// Marks objects and instances without a transform.
 const NO_TRANSFORM: u32 = u32::MAX;
