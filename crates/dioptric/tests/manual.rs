@@ -35,6 +35,7 @@ fn the_examples_of_the_language_are_read() {
         "first-scene.md",
         "language.md",
         "patterns.md",
+        "meshes.md",
         "materials.md",
         "lights.md",
         "cameras.md",

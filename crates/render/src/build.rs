@@ -9,6 +9,7 @@ use dioptric_image::{ErrorKind, ImageError};
 use dioptric_math::Spectrum;
 use dioptric_scene::{Args, Description, Diagnostic, Loader, NodeId, Value, color};
 
+use crate::bulk::Built;
 use crate::input::{ColorInput, NumberInput};
 use crate::pattern::AnyPattern;
 use crate::texture::{MAX_TEXELS, Texture};
@@ -50,7 +51,8 @@ pub struct Builder<'a> {
     pub texels_left: u64,
     /// How often a pattern was asked for: what is built meanwhile without one is the same everywhere.
     pub patterns_used: u64,
-    loader: &'a dyn Loader,
+    pub(crate) loader: &'a dyn Loader,
+    pub(crate) bulk: Built,
     patterns: HashMap<(NodeId, ColorReading), Arc<AnyPattern>>,
     textures: HashMap<Arc<str>, Arc<Texture>>,
 }
@@ -69,6 +71,7 @@ impl<'a> Builder<'a> {
             texels_left: MAX_TEXELS,
             patterns_used: 0,
             loader,
+            bulk: Built::default(),
             patterns: HashMap::new(),
             textures: HashMap::new(),
         }

@@ -12,6 +12,7 @@
 #![forbid(unsafe_code)]
 
 pub mod build;
+mod bulk;
 pub mod bump;
 pub mod camera;
 pub mod compile;

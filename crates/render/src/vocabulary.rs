@@ -8,6 +8,7 @@ use dioptric_scene::Vocabulary;
 pub fn vocabulary() -> Vocabulary {
     let registries = [
         dioptric_geometry::shapes::SCHEMAS,
+        crate::bulk::SCHEMAS,
         &[&dioptric_geometry::GROUP_SCHEMA],
         dioptric_geometry::TRANSFORM_SCHEMAS,
         crate::pattern::SCHEMAS,

@@ -10,6 +10,7 @@ use dioptric_math::{DAffine3, Spectrum};
 use dioptric_scene::{Args, Category, Description, Diagnostic, NodeId};
 
 use crate::build::Builder;
+use crate::bulk;
 use crate::material::AnyMaterial;
 use crate::material::matte::Matte;
 use crate::scene::{LEAF_SHIFT, ObjectInfo, SceneMaterial};
@@ -220,9 +221,12 @@ impl<'a, 'b> Places<'a, 'b> {
                 .help("combine fewer, or use a group where the solids need not be joined"));
         }
         self.check_room(args, 1)?;
-        let Some(shape) = AnyShape::from_args(args)? else {
-            let kind = args.node().schema.kind;
-            return Err(args.error_here("internal", format!("{kind} is no shape")));
+        let shape = match bulk::shape(args, self.builder)? {
+            Some(shape) => shape,
+            None => AnyShape::from_args(args)?.ok_or_else(|| {
+                let kind = args.node().schema.kind;
+                args.error_here("internal", format!("{kind} is no shape"))
+            })?,
         };
         let leaves = shape.csg_leaf_nodes().len();
         let material = if leaves == 0 {

@@ -279,7 +279,8 @@ fn read_node(args: &Args, depth: usize, count: &mut usize) -> Result<Operand, Di
             }
             let Some(shape) = AnyShape::from_args(args)? else {
                 return Err(args
-                    .error_here("wrong-value", format!("{kind} cannot be part of a combination")));
+                    .error_here("wrong-value", format!("{kind} cannot be part of a combination"))
+                    .help("put it into a group beside the combination, or combine exact shapes"));
             };
             if !shape.is_solid() {
                 return Err(error(CsgError::NotSolid(kind)));
