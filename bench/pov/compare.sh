@@ -10,21 +10,16 @@
 #
 # The .pov files say some things that their .nff twins cannot say or that Dioptric means otherwise (see
 # docs/manual/src/nff.md). Therefore each scene is rendered by POV-Ray twice: as it was published, and with these
-# taken away by `level`.
+# taken away by `level` (level.sh).
 set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
+. "$root/bench/pov/level.sh"
 data=$(cd "${1:-$root/../shared/data/spd}" && pwd)
 dioptric=${DIOPTRIC:-$root/target/release/dioptric}
 size=${SIZE:-512}
 threads=${THREADS:-2}
 
-if ! command -v povray > /dev/null; then
-    if [ "$(id -u)" != 0 ] || ! command -v apt-get > /dev/null; then
-        echo "compare.sh: POV-Ray is not here; on Debian: apt-get install povray" >&2
-        exit 1
-    fi
-    apt-get install -y povray > /dev/null
-fi
+need_povray compare.sh
 [ -x "$dioptric" ] || (cd "$root" && cargo build --release)
 
 if [ $# -ge 2 ]; then
@@ -35,31 +30,11 @@ else
     trap 'rm -rf "$out"' EXIT
 fi
 
-# The .pov without what the .nff does not have: ambient light of the floor of balls, highlights of another strength
-# than the mirror, the bending of rays by the polygons of gears, and a camera whose vectors are rounded to six digits.
-level() {
-    view=$(awk '$1 == "from" || $1 == "at" || $1 == "up" { v[$1] = "<" $2 "," $3 "," $4 ">" } $1 == "angle" { a = $2 }
-        END { away = "vnormalize(" v["at"] "-" v["from"] ")"
-              right = "vnormalize(vcross(" away "," v["up"] "))"
-              width = "2*tan(radians(" a "/2))"
-              print "camera { location " v["from"] " direction " away " right " width "*" right \
-                  " up " width "*vcross(" right "," away ") }" }' "$1.nff")
-    echo "$view"
-    sed -e '/^camera {/,/^}/d' -e 's/ambient 0\.2/ambient 0/' -e 's/refraction 1\.0 ior 1\.1//' \
-        -e '/phong /{N;s/phong [0-9.]*\(  phong_size [0-9.]*\n *reflection \)\([0-9.]*\)/phong \2\1\2/;}' "$1.pov"
-}
-
 # POV-Ray's picture, as computed: files that name no gamma get none, and 16 bits keep the numbers.
 pov() {
     povray "+I$1" "+O$2" "+W$size" "+H$size" -A -D +FN16 "+WT$threads" > "$3" 2>&1 ||
         { cat "$3" >&2; exit 1; }
 }
-
-# Seconds that a line of POV-Ray's report ends with.
-seconds() { sed -n "s/.*$1 Time:.*(\([0-9.]*\) seconds).*/\1/p" "$2"; }
-
-# A number of a JSON file.
-number() { tr ',{}' '\n\n\n' < "$2" | sed -n "s/^ *\"$1\": *//p"; }
 
 # PSNR, largest difference and pixels beyond 2/255, as columns of the table.
 apart() {

@@ -1,0 +1,152 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT OR Apache-2.0
+# Races Dioptric against POV-Ray on the Standard Procedural Databases, in turns, and prints the ratios as Markdown
+# tables: one ray a pixel, and anti-aliased so that our pictures are at least as near to their limit as POV-Ray's.
+#
+#   bench/pov/speed.sh [DATA [OUT]]
+#
+# Needs POV-Ray, and python3 for the anti-aliased half (its standard library is enough). DATA is the folder with
+# balls.nff, balls.pov, ... ; OUT keeps pictures and figures (without it they are thrown away), and the pictures of 256
+# samples in it are used again. DIOPTRIC names the program, SIZE the side of the pictures in pixels (1024), THREADS their
+# number for both (2), ROUNDS how many times each runs in turn (5), SCENES which scenes, MODES which halves (none
+# adaptive), ADAPTIVE our settings. The whole takes about eight minutes.
+#
+# Equal work: POV-Ray gets the scenes as `level` (level.sh) makes them, without what NFF cannot say, so that both
+# programs follow the same rays; their counts stand in the table. What is raced is POV-Ray's printed trace time against
+# the render seconds of our --stats, and its parse and bounding time against our read and compile seconds. POV-Ray's
+# waits between these are not counted.
+#
+# Equal quality: POV-Ray runs with +A0.3, its default (one ray a pixel, nine more where neighbours differ by 0.3,
+# jittered). The error of each is the root mean square difference from its own picture of 256 samples a pixel, over
+# BANDS bands of eight rows. POV-Ray takes at most 81 samples a pixel, so that its reference is rendered at twice the
+# size with 64 (+A0.0 +R8 -J) and averaged.
+set -eu
+root=$(cd "$(dirname "$0")/../.." && pwd)
+. "$root/bench/pov/level.sh"
+data=$(cd "${1:-$root/../shared/data/spd}" && pwd)
+dioptric=${DIOPTRIC:-$root/target/release/dioptric}
+size=${SIZE:-1024} threads=${THREADS:-2} rounds=${ROUNDS:-5} bands=${BANDS:-4}
+scenes=${SCENES:-balls gears rings teapot tree} modes=${MODES:-none adaptive}
+adaptive=${ADAPTIVE:---samples 1 --max-samples 10 --threshold 0.1}
+
+need_povray speed.sh
+case $modes in *adaptive*)
+    command -v python3 > /dev/null || { echo "speed.sh: python3 is not here; MODES=none goes without it" >&2; exit 1; }
+    ;;
+esac
+[ -x "$dioptric" ] || (cd "$root" && cargo build --release)
+
+if [ $# -ge 2 ]; then
+    mkdir -p "$2"
+    out=$(cd "$2" && pwd)
+else
+    out=$(mktemp -d)
+    trap 'rm -rf "$out"' EXIT
+fi
+cd "$out"
+
+# pov SCENE FILE SIDE OPTIONS...: writes FILE.ppm (16 bits, no gamma) and FILE.log
+pov() (
+    scene=$1 file=$2 side=$3
+    shift 3
+    povray "+I$scene.pov" "+O$file.ppm" "+W$side" "+H$side" +FP16 -D "+WT$threads" "$@" > "$file.raw" 2>&1 ||
+        { cat "$file.raw" >&2; exit 1; }
+    tr '\r' '\n' < "$file.raw" | grep -v '^Rendered' > "$file.log"
+    rm "$file.raw"
+)
+# ours SCENE FILE OPTIONS...: writes FILE.png (16 bits) and FILE.json
+ours() (
+    scene=$1 file=$2
+    shift 2
+    "$dioptric" render "$data/$scene.nff" --size "${size}x$size" --bits 16 --threads "$threads" --quiet \
+        --output "$file.png" --stats "$file.json" "$@"
+)
+# A count of POV-Ray's report: the number behind "$1" in file $2.
+count() { sed -n "s/.*$1: *\([0-9]*\).*/\1/p" "$2" | head -n 1; }
+note() { echo "$1 $2 $3 $4 $5" >> figures; }
+median() {
+    awk -v a="$1" -v b="$2" -v c="$3" -v d="$4" '$1 == a && $2 == b && $3 == c && $4 == d { print $5 }' figures |
+        sort -n | awk '{ v[NR] = $1 } END { print v[int((NR + 1) / 2)] }'
+}
+
+: > figures
+for scene in $scenes; do level "$data/$scene" > "$scene.pov"; done
+for mode in $modes; do
+    for scene in $scenes; do
+        name=$scene-$mode
+        round=0
+        while [ $round -lt "$rounds" ]; do
+            round=$((round + 1))
+            if [ "$mode" = none ]; then
+                pov "$scene" "$name" "$size" -A
+                ours "$scene" "$name" --antialias none
+            else
+                pov "$scene" "$name" "$size" +A0.3
+                ours "$scene" "$name" --antialias adaptive $adaptive
+            fi
+            note "$scene" "$mode" pov trace "$(seconds Trace "$name.log")"
+            note "$scene" "$mode" pov ready "$(awk "BEGIN { print $(seconds Parse "$name.log") + $(seconds Bounding "$name.log") }")"
+            note "$scene" "$mode" ours trace "$(number render "$name.json")"
+            note "$scene" "$mode" ours ready "$(awk "BEGIN { print $(number read "$name.json") + $(number compile "$name.json") }")"
+        done
+        note "$scene" "$mode" pov rays "$(count Rays "$name.log")"
+        note "$scene" "$mode" pov shadow "$(count 'Shadow Ray Tests' "$name.log")"
+        note "$scene" "$mode" ours rays "$(($(number total "$name.json") - $(number shadow "$name.json")))"
+        note "$scene" "$mode" ours shadow "$(number shadow "$name.json")"
+    done
+done
+
+# The errors of the anti-aliased pictures, band by band.
+case $modes in *adaptive*)
+    for scene in $scenes; do
+        band=0
+        while [ $band -lt "$bands" ]; do
+            top=$((size * (2 * band + 1) / (2 * bands) - 4))
+            name=$scene-band$band
+            band=$((band + 1))
+            if [ ! -e "$name-pov256.png" ]; then
+                pov "$scene" "$name" $((2 * size)) +A0.0 +R8 -J "+SR$((2 * top + 1))" "+ER$((2 * top + 16))"
+                python3 "$root/bench/pov/average.py" "$name.ppm" 2 "$top" 8 "$name-pov256.png"
+                rm "$name.ppm"
+            fi
+            [ -e "$name-256.png" ] ||
+                ours "$scene" "$name-256" --antialias grid --samples 256 --crop "0,$top,$size,8"
+            python3 "$root/bench/pov/average.py" "$scene-adaptive.ppm" 1 "$top" 8 "$name-pov.png"
+            ours "$scene" "$name" --antialias adaptive $adaptive --crop "0,$top,$size,8"
+            "$dioptric" compare "$name-pov.png" "$name-pov256.png" --json > "$name-pov.json" || [ $? = 1 ]
+            "$dioptric" compare "$name.png" "$name-256.png" --json > "$name.json" || [ $? = 1 ]
+            note "$scene" adaptive pov square "$(number rmse "$name-pov.json" | awk '{ print $1 * $1 }')"
+            note "$scene" adaptive ours square "$(number rmse "$name.json" | awk '{ print $1 * $1 }')"
+        done
+        for program in pov ours; do
+            note "$scene" adaptive $program rmse "$(awk -v s="$scene" -v p=$program \
+                '$1 == s && $3 == p && $4 == "square" { sum += $5; n++ } END { printf "%.5f", sqrt(sum / n) }' figures)"
+        done
+    done
+    ;;
+esac
+
+echo "$size x $size, $threads threads, medians of $rounds runs in turn; POV-Ray 3.7 with the levelled scenes."
+for mode in $modes; do
+    echo
+    if [ "$mode" = none ]; then
+        echo "One ray a pixel: \`-A\` and \`--antialias none\`."
+    else
+        echo "Anti-aliased: \`+A0.3\` and \`--antialias adaptive $adaptive\`; error against each program's own 256 samples."
+    fi
+    echo
+    echo "| scene | POV-Ray traces, s | Dioptric renders, s | **ratio** | POV-Ray: rays + shadow rays, million | Dioptric | POV-Ray parses and bounds, s | Dioptric reads and compiles | ratio |$([ "$mode" = none ] || echo ' error of POV-Ray | of Dioptric |')"
+    echo "|---|---|---|---|---|---|---|---|---|$([ "$mode" = none ] || echo '---|---|')"
+    for scene in $scenes; do
+        of() { median "$scene" "$mode" "$1" "$2"; }
+        awk -v scene="$scene" -v pt="$(of pov trace)" -v ot="$(of ours trace)" -v pr="$(of pov rays)" -v or="$(of ours rays)" \
+            -v ps="$(of pov shadow)" -v os="$(of ours shadow)" -v pc="$(of pov ready)" -v oc="$(of ours ready)" 'BEGIN {
+                printf "| %s | %.3f | %.3f | **%.2f** | %.2f + %.2f | %.2f + %.2f | %.3f | %.3f | %.2f |", scene, pt, ot,
+                    pt / ot, pr / 1e6, ps / 1e6, or / 1e6, os / 1e6, pc, oc, pc / oc }'
+        [ "$mode" = none ] || printf ' %s | %s |' "$(of pov rmse)" "$(of ours rmse)"
+        echo
+    done
+    for scene in $scenes; do
+        echo "$(median "$scene" "$mode" pov trace) $(median "$scene" "$mode" ours trace)"
+    done | awk '{ sum += log($1 / $2); n++ } END { printf "\nGeometric mean of the ratios: **%.2f**\n", exp(sum / n) }'
+done
