@@ -9,7 +9,8 @@
 # balls.nff, balls.pov, ... ; OUT keeps pictures and figures (without it they are thrown away), and the pictures of 256
 # samples in it are used again. DIOPTRIC names the program, SIZE the side of the pictures in pixels (1024), THREADS their
 # number for both (2), ROUNDS how many times each runs in turn (5), SCENES which scenes, MODES which halves (none
-# adaptive), ADAPTIVE our settings. The whole takes about eight minutes.
+# adaptive), ADAPTIVE our settings (without it the cheapest below that are good enough, for each scene). The whole takes
+# about eight minutes, a few more where the pictures of 256 samples are not there yet.
 #
 # Equal work: POV-Ray gets the scenes as `level` (level.sh) makes them, without what NFF cannot say, so that both
 # programs follow the same rays; their counts stand in the table. What is raced is POV-Ray's printed trace time against
@@ -19,7 +20,8 @@
 # Equal quality: POV-Ray runs with +A0.3, its default (one ray a pixel, nine more where neighbours differ by 0.3,
 # jittered). The error of each is the root mean square difference from its own picture of 256 samples a pixel, over
 # BANDS bands of eight rows. POV-Ray takes at most 81 samples a pixel, so that its reference is rendered at twice the
-# size with 64 (+A0.0 +R8 -J) and averaged.
+# size with 64 (+A0.0 +R8 -J) and averaged. Of the settings in `candidates` each scene gets the one that casts the
+# fewest rays with an error no larger than POV-Ray's.
 set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
 . "$root/bench/pov/level.sh"
@@ -27,7 +29,9 @@ data=$(cd "${1:-$root/../shared/data/spd}" && pwd)
 dioptric=${DIOPTRIC:-$root/target/release/dioptric}
 size=${SIZE:-1024} threads=${THREADS:-2} rounds=${ROUNDS:-5} bands=${BANDS:-4}
 scenes=${SCENES:-balls gears rings teapot tree} modes=${MODES:-none adaptive}
-adaptive=${ADAPTIVE:---samples 1 --max-samples 10 --threshold 0.1}
+# First samples, most samples, threshold.
+candidates='1,5,0.05 1,6,0.05 1,6,0.07 1,6,0.1 1,7,0.07 1,7,0.1 1,7,0.15 1,8,0.07 1,8,0.1 1,8,0.15 1,8,0.2 1,9,0.15 1,9,0.2
+    1,10,0.1 1,10,0.2 1,12,0.05 1,12,0.2 2,8,0.2 2,16,0.05 4,64,0.05'
 
 need_povray speed.sh
 case $modes in *adaptive*)
@@ -69,8 +73,53 @@ median() {
         sort -n | awk '{ v[NR] = $1 } END { print v[int((NR + 1) / 2)] }'
 }
 
+# The files of a scene's band number $2, and its top row.
+band() { echo "$1-band$2"; }
+top() { echo $((size * (2 * $1 + 1) / (2 * bands) - 4)); }
+# The root mean square error of picture $1 against $2, squared.
+square() (
+    "$dioptric" compare "$1" "$2" --json > compared.json || [ $? = 1 ]
+    number rmse compared.json | awk '{ print $1 * $1 }'
+)
+# Our picture of all bands of scene $1 with settings $2, as its error and its rays.
+try() {
+    for i in $(seq 0 $((bands - 1))); do
+        ours "$1" tried --antialias adaptive $2 --crop "0,$(top "$i"),$size,8"
+        echo "$(square tried.png "$(band "$1" "$i")-ours256.png") $(number total tried.json)"
+    done | awk '{ sum += $1; rays += $2; n++ } END { printf "%.6f %d\n", sqrt(sum / n), rays }'
+}
+settings() { echo "$1" | awk -F, '{ print "--samples", $1, "--max-samples", $2, "--threshold", $3 }'; }
+# Notes the errors of both programs, and our settings in SCENE.settings.
+settle() {
+    pov "$1" "$1-adaptive" "$size" +A0.3
+    for i in $(seq 0 $((bands - 1))); do
+        name=$(band "$1" "$i") top=$(top "$i")
+        if [ ! -e "$name-pov256.png" ]; then
+            pov "$1" "$name" $((2 * size)) +A0.0 +R8 -J "+SR$((2 * top + 1))" "+ER$((2 * top + 16))"
+            python3 "$root/bench/pov/average.py" "$name.ppm" 2 "$top" 8 "$name-pov256.png"
+            rm "$name.ppm"
+        fi
+        [ -e "$name-ours256.png" ] || ours "$1" "$name-ours256" --antialias grid --samples 256 --crop "0,$top,$size,8"
+        python3 "$root/bench/pov/average.py" "$1-adaptive.ppm" 1 "$top" 8 "$name-pov.png"
+        square "$name-pov.png" "$name-pov256.png"
+    done | awk '{ sum += $1; n++ } END { printf "%.6f\n", sqrt(sum / n) }' > "$1.limit"
+    note "$1" adaptive pov rmse "$(cat "$1.limit")"
+    if [ -n "${ADAPTIVE:-}" ]; then
+        echo "$ADAPTIVE" > "$1.settings"
+    else
+        for candidate in $candidates; do
+            echo "$(try "$1" "$(settings "$candidate")") $candidate"
+        done | tee "$1.tried" | awk -v limit="$(cat "$1.limit")" '$1 <= limit && (!least || $2 < least) { least = $2; best = $3 }
+            END { print best }' > "$1.best"
+        [ -s "$1.best" ] || { echo "speed.sh: none of our settings is as good as POV-Ray on $1" >&2; exit 1; }
+        settings "$(cat "$1.best")" > "$1.settings"
+    fi
+    note "$1" adaptive ours rmse "$(try "$1" "$(cat "$1.settings")" | cut -d' ' -f1)"
+}
+
 : > figures
 for scene in $scenes; do level "$data/$scene" > "$scene.pov"; done
+case $modes in *adaptive*) for scene in $scenes; do settle "$scene"; done ;; esac
 for mode in $modes; do
     for scene in $scenes; do
         name=$scene-$mode
@@ -82,7 +131,7 @@ for mode in $modes; do
                 ours "$scene" "$name" --antialias none
             else
                 pov "$scene" "$name" "$size" +A0.3
-                ours "$scene" "$name" --antialias adaptive $adaptive
+                ours "$scene" "$name" --antialias adaptive $(cat "$scene.settings")
             fi
             note "$scene" "$mode" pov trace "$(seconds Trace "$name.log")"
             note "$scene" "$mode" pov ready "$(awk "BEGIN { print $(seconds Parse "$name.log") + $(seconds Bounding "$name.log") }")"
@@ -96,54 +145,26 @@ for mode in $modes; do
     done
 done
 
-# The errors of the anti-aliased pictures, band by band.
-case $modes in *adaptive*)
-    for scene in $scenes; do
-        band=0
-        while [ $band -lt "$bands" ]; do
-            top=$((size * (2 * band + 1) / (2 * bands) - 4))
-            name=$scene-band$band
-            band=$((band + 1))
-            if [ ! -e "$name-pov256.png" ]; then
-                pov "$scene" "$name" $((2 * size)) +A0.0 +R8 -J "+SR$((2 * top + 1))" "+ER$((2 * top + 16))"
-                python3 "$root/bench/pov/average.py" "$name.ppm" 2 "$top" 8 "$name-pov256.png"
-                rm "$name.ppm"
-            fi
-            [ -e "$name-256.png" ] ||
-                ours "$scene" "$name-256" --antialias grid --samples 256 --crop "0,$top,$size,8"
-            python3 "$root/bench/pov/average.py" "$scene-adaptive.ppm" 1 "$top" 8 "$name-pov.png"
-            ours "$scene" "$name" --antialias adaptive $adaptive --crop "0,$top,$size,8"
-            "$dioptric" compare "$name-pov.png" "$name-pov256.png" --json > "$name-pov.json" || [ $? = 1 ]
-            "$dioptric" compare "$name.png" "$name-256.png" --json > "$name.json" || [ $? = 1 ]
-            note "$scene" adaptive pov square "$(number rmse "$name-pov.json" | awk '{ print $1 * $1 }')"
-            note "$scene" adaptive ours square "$(number rmse "$name.json" | awk '{ print $1 * $1 }')"
-        done
-        for program in pov ours; do
-            note "$scene" adaptive $program rmse "$(awk -v s="$scene" -v p=$program \
-                '$1 == s && $3 == p && $4 == "square" { sum += $5; n++ } END { printf "%.5f", sqrt(sum / n) }' figures)"
-        done
-    done
-    ;;
-esac
-
 echo "$size x $size, $threads threads, medians of $rounds runs in turn; POV-Ray 3.7 with the levelled scenes."
 for mode in $modes; do
     echo
     if [ "$mode" = none ]; then
         echo "One ray a pixel: \`-A\` and \`--antialias none\`."
     else
-        echo "Anti-aliased: \`+A0.3\` and \`--antialias adaptive $adaptive\`; error against each program's own 256 samples."
+        echo "Anti-aliased: \`+A0.3\` and \`--antialias adaptive\` with the settings in the last column (first samples of a pixel,"
+        echo "most samples, threshold), the cheapest with no larger error; errors are against each program's own 256 samples."
     fi
     echo
-    echo "| scene | POV-Ray traces, s | Dioptric renders, s | **ratio** | POV-Ray: rays + shadow rays, million | Dioptric | POV-Ray parses and bounds, s | Dioptric reads and compiles | ratio |$([ "$mode" = none ] || echo ' error of POV-Ray | of Dioptric |')"
-    echo "|---|---|---|---|---|---|---|---|---|$([ "$mode" = none ] || echo '---|---|')"
+    echo "| scene | POV-Ray traces, s | Dioptric renders, s | **ratio** | POV-Ray: rays + shadow rays, million | Dioptric | POV-Ray parses and bounds, s | Dioptric reads and compiles | ratio |$([ "$mode" = none ] || echo ' error of POV-Ray | of Dioptric | settings |')"
+    echo "|---|---|---|---|---|---|---|---|---|$([ "$mode" = none ] || echo '---|---|---|')"
     for scene in $scenes; do
         of() { median "$scene" "$mode" "$1" "$2"; }
         awk -v scene="$scene" -v pt="$(of pov trace)" -v ot="$(of ours trace)" -v pr="$(of pov rays)" -v or="$(of ours rays)" \
             -v ps="$(of pov shadow)" -v os="$(of ours shadow)" -v pc="$(of pov ready)" -v oc="$(of ours ready)" 'BEGIN {
                 printf "| %s | %.3f | %.3f | **%.2f** | %.2f + %.2f | %.2f + %.2f | %.3f | %.3f | %.2f |", scene, pt, ot,
                     pt / ot, pr / 1e6, ps / 1e6, or / 1e6, os / 1e6, pc, oc, pc / oc }'
-        [ "$mode" = none ] || printf ' %s | %s |' "$(of pov rmse)" "$(of ours rmse)"
+        [ "$mode" = none ] || printf ' %s | %s | %s |' "$(of pov rmse)" "$(of ours rmse)" \
+            "$(sed 's/--[a-z-]* *//g; s/ /, /g' "$scene.settings")"
         echo
     done
     for scene in $scenes; do
