@@ -47,10 +47,8 @@ impl Shoot for Camera<'_> {
         out: &mut Vec<Radiance>,
     ) {
         let scene = self.scene;
-        let rays: Vec<(Ray, Stream)> = shots
-            .iter()
-            .filter_map(|shot| Some((camera_ray(scene, &shot.sample)?, shot.stream)))
-            .collect();
+        let ray = |shot: &Shot| camera_ray(scene, &shot.sample, shot.stream);
+        let rays: Vec<(Ray, Stream)> = shots.iter().filter_map(ray).collect();
         let all = rays.len() == shots.len();
         let radiances = integrator::radiances(scene, rays, counts, &mut Silent, cancel);
         if all {
@@ -59,7 +57,7 @@ impl Shoot for Camera<'_> {
         }
         let mut seen = radiances.into_iter();
         for shot in shots {
-            match camera_ray(scene, &shot.sample) {
+            match ray(shot) {
                 None => out.push(Radiance::NOTHING),
                 Some(_) => match seen.next() {
                     Some(radiance) => out.push(radiance),
@@ -78,14 +76,20 @@ pub fn shoot<R: Recorder>(
     counts: &mut RayCounts,
     recorder: &mut R,
 ) -> Radiance {
-    let rays = camera_ray(scene, sample).map(|ray| (ray, stream)).into_iter().collect();
+    let rays = camera_ray(scene, sample, stream).into_iter().collect();
     let radiances = integrator::radiances(scene, rays, counts, recorder, &AtomicBool::new(false));
     radiances.first().copied().unwrap_or(Radiance::NOTHING)
 }
 
-/// The ray through a sample's place in the picture; `None` where the camera sees nothing (outside of a
-/// fisheye's circle).
-fn camera_ray(scene: &Scene, sample: &PixelSample) -> Option<Ray> {
+/// The ray through a sample's place in the picture, and the numbers that are left for its way; `None` where the
+/// camera sees nothing (outside of a fisheye's circle).
+fn camera_ray(scene: &Scene, sample: &PixelSample, mut stream: Stream) -> Option<(Ray, Stream)> {
     let [width, height] = scene.settings.size.map(f64::from);
-    scene.camera.ray(sample.x / width, sample.y / height, sample.lens)
+    let lens = if scene.camera.has_lens() {
+        stream.next_2d()
+    } else {
+        stream.skip();
+        [0.5; 2]
+    };
+    Some((scene.camera.ray(sample.x / width, sample.y / height, lens)?, stream))
 }

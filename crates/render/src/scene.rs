@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A scene ready to be rendered. It does not change while it is rendered (invariant 1).
 
-use std::borrow::Cow;
+use std::ops::Deref;
 use std::sync::Arc;
 
 use dioptric_geometry::world::{Hit, Surface, World};
@@ -109,7 +109,28 @@ pub struct Shading<'a> {
     /// The surface in the space of rays; its shading normal bumped, both normals as the shape has them.
     pub surface: SurfacePoint,
     /// The material's answer.
-    pub finish: Cow<'a, Finish>,
+    pub finish: Answer<'a>,
+}
+
+/// A material's answer at a point: the one for all points, or one of its own.
+#[derive(Clone, Debug)]
+pub enum Answer<'a> {
+    /// Of a uniform material.
+    Same(&'a Finish),
+    /// Of a material with patterns. (Boxed: answers are large, and carried about.)
+    Here(Box<Finish>),
+}
+
+impl Deref for Answer<'_> {
+    type Target = Finish;
+
+    #[inline]
+    fn deref(&self) -> &Finish {
+        match self {
+            Self::Same(finish) => finish,
+            Self::Here(finish) => finish,
+        }
+    }
 }
 
 /// Parts of CSG objects carry their leaf above these bits (see `dioptric_geometry::shapes::csg`).
@@ -130,10 +151,13 @@ impl Scene {
         let SceneMaterial { material, uniform, .. } = &self.materials[self.material_index(hit.id)];
         if let Some(finish) = uniform {
             let surface = self.world.surface_point(ray, hit)?;
-            return Some(Shading { surface, finish: Cow::Borrowed(finish) });
+            return Some(Shading { surface, finish: Answer::Same(finish) });
         }
         let (surface, point) = self.surface_and_point(ray, hit)?;
-        Some(Shading { surface: surface.into(), finish: Cow::Owned(material.finish(&point)) })
+        Some(Shading {
+            surface: surface.into(),
+            finish: Answer::Here(Box::new(material.finish(&point))),
+        })
     }
 
     /// Everything about the surface at a hit, its shading normal bumped, and where its patterns are asked.

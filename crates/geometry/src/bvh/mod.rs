@@ -11,6 +11,7 @@
 mod build;
 #[allow(unsafe_code)]
 mod lanes;
+pub mod packet;
 mod ray;
 #[allow(unsafe_code)]
 mod traverse;
@@ -111,10 +112,22 @@ impl Bvh {
         !bounds.is_empty() && build::Box32::around(bounds, center).is_finite()
     }
 
+    /// Where the boxes have their origin.
+    #[must_use]
+    pub const fn center(&self) -> DVec3 {
+        self.center
+    }
+
     /// Bytes on the heap.
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
         self.nodes.capacity() * size_of::<Node>()
+    }
+
+    /// What the queries are run on.
+    #[must_use]
+    pub const fn lanes(&self) -> Lanes {
+        self.lanes
     }
 
     /// Runs the queries on these instructions, or the best below them that there are: for tests.

@@ -66,6 +66,13 @@ impl Cone {
     }
 }
 
+impl Cone {
+    /// See [`Frustum::tube`].
+    pub(crate) fn tube(&self) -> (DVec3, DVec3, f64) {
+        self.0.tube()
+    }
+}
+
 impl Described for Cone {
     const SCHEMA: &'static Schema = &SCHEMA;
 

@@ -53,6 +53,13 @@ impl Cylinder {
     }
 }
 
+impl Cylinder {
+    /// See [`Frustum::tube`].
+    pub(crate) fn tube(&self) -> (DVec3, DVec3, f64) {
+        self.0.tube()
+    }
+}
+
 impl Described for Cylinder {
     const SCHEMA: &'static Schema = &SCHEMA;
 

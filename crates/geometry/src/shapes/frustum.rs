@@ -246,6 +246,11 @@ impl Frustum {
         }
     }
 
+    /// A point of the axis, its direction, and the radius of the tube around it that holds everything.
+    pub fn tube(&self) -> (DVec3, DVec3, f64) {
+        (self.base, self.axis, self.radius.max(self.top_radius))
+    }
+
     /// See [`crate::Shape::surface_point`].
     pub fn surface_point(&self, point: DVec3, part: u32) -> SurfacePoint {
         let offset = point - self.base;

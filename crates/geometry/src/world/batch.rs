@@ -1,8 +1,19 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Many rays at once: the same answers as one by one, sooner where neighbours go the same way.
+//!
+//! Sixteen rays at a time walk the tree of the objects outside of groups together; instances are visited by each
+//! ray alone. Lanes only reject: whatever they let through is asked the same as by a single ray.
 
-use super::{Hit, World};
-use crate::ray::{Contacts, Departure, HitId, Ray};
+#![allow(unsafe_code)]
+
+use std::ops::Range;
+
+use super::query::{into, leaving, meet};
+use super::{Hit, Level, Object, World};
+use crate::bvh::Lanes;
+use crate::bvh::packet::rows::{self, LANES, Mask, Rows};
+use crate::bvh::packet::{Leaves, Packet};
+use crate::ray::{Contacts, Departure, HitId, LocalRay, Ray};
 
 /// One ray of a batch, with what [`World::closest_past`] takes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,24 +28,228 @@ pub struct Query {
     pub contacts: Contacts,
 }
 
+/// Up to sixteen rays and what they have hit so far.
+struct Walk<'a> {
+    queries: &'a [Query],
+    /// Whether any hit before the end will do.
+    any: bool,
+    /// Rays that hit something.
+    hit: Mask,
+    /// The best hit, where there is one.
+    ids: [HitId; LANES],
+    /// Its distance; where there is none, how far the ray goes.
+    t: [f64; LANES],
+}
+
 impl World {
     /// [`Self::closest_past`] for each query; `hits` is cleared first.
     pub fn closest_each(&self, queries: &[Query], hits: &mut Vec<Option<Hit>>) {
         hits.clear();
-        hits.extend(
-            queries
-                .iter()
-                .map(|q| self.closest_past(&q.ray, q.t_max, q.departure.as_ref(), q.contacts)),
-        );
+        for queries in queries.chunks(LANES) {
+            let walk = self.packet(queries, false);
+            hits.extend((0..queries.len()).map(|lane| walk.best(lane)));
+        }
     }
 
     /// [`Self::blocker_past`] for each query, though perhaps not the same one; `blockers` is cleared first.
     pub fn blocker_each(&self, queries: &[Query], blockers: &mut Vec<Option<HitId>>) {
         blockers.clear();
-        blockers.extend(
-            queries
-                .iter()
-                .map(|q| self.blocker_past(&q.ray, q.t_max, q.departure.as_ref(), q.contacts)),
-        );
+        for queries in queries.chunks(LANES) {
+            let walk = self.packet(queries, true);
+            blockers.extend((0..queries.len()).map(|lane| walk.best(lane).map(|hit| hit.id)));
+        }
+    }
+
+    /// Finds the nearest hit of each ray, or any within its limit.
+    fn packet<'a>(&self, queries: &'a [Query], any: bool) -> Walk<'a> {
+        let mut walk = Walk {
+            queries,
+            any,
+            hit: 0,
+            ids: [HitId { instance: 0, object: 0, part: 0 }; LANES],
+            t: [0.0; LANES],
+        };
+        match self.levels.first().map_or(Lanes::Plain, |level| level.bvh.lanes()) {
+            // SAFETY: a tree's lanes are never more than the processor has.
+            #[cfg(target_arch = "x86_64")]
+            Lanes::Avx2 => unsafe { self.walk_avx2(&mut walk) },
+            #[cfg(target_arch = "x86_64")]
+            Lanes::Avx512 => unsafe { self.walk_avx512(&mut walk) },
+            _ => self.walk::<rows::Base>(&mut walk),
+        }
+        walk
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2,fma")]
+    fn walk_avx2(&self, walk: &mut Walk) {
+        self.walk::<rows::x86::Avx2>(walk);
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2,fma,avx512f,avx512vl,avx512dq")]
+    fn walk_avx512(&self, walk: &mut Walk) {
+        self.walk::<rows::x86::Avx512>(walk);
+    }
+
+    #[inline(always)]
+    fn walk<R: Rows>(&self, walk: &mut Walk) {
+        let Some(level) = self.levels.first() else { return };
+        let Some(objects) = self.objects.get(level.first..) else { return };
+        let mut packet = Packet::empty();
+        let mut usable: Mask = 0;
+        for (lane, query) in walk.queries.iter().enumerate() {
+            let ray = &query.ray;
+            walk.t[lane] = query.t_max;
+            usable |= Mask::from(ray.error >= 0.0 && query.t_max >= 0.0) << lane;
+            packet.set(lane, ray.origin, ray.direction, query.t_max, ray.error, &level.bvh);
+        }
+        let reach = (level.reach.amplify, level.reach.extent);
+        let mut together = packet.finish::<R>(&level.bvh, reach) & usable;
+        for (lane, query) in walk.queries.iter().enumerate() {
+            // What is too large or too small for single precision goes alone.
+            if together & 1 << lane == 0 {
+                self.alone(walk, lane, query);
+            }
+        }
+        let unbounded = objects.get(level.bounded..level.bounded + level.unbounded);
+        for object in unbounded.unwrap_or_default() {
+            let done = self.test(walk, object, together);
+            together &= !done;
+        }
+        let mut leaves = Objects { world: self, level, objects, walk };
+        level.bvh.visit_packet::<R>(&mut packet, together, &mut leaves);
+        if !self.instances.is_empty() {
+            self.visit_instances_alone(walk, together);
+        }
+    }
+
+    /// Answers a query by a single ray's walk.
+    #[cold]
+    fn alone(&self, walk: &mut Walk, lane: usize, query: &Query) {
+        let departure = query.departure.as_ref();
+        let Query { ray, t_max, contacts, .. } = query;
+        let best = if walk.any {
+            self.blocker_past(ray, *t_max, departure, *contacts).map(|id| Hit { t: 0.0, id })
+        } else {
+            self.closest_past(ray, *t_max, departure, *contacts)
+        };
+        if let Some(hit) = best {
+            walk.keep(lane, hit);
+        }
+    }
+
+    /// Tests an object for some of the rays; returns those that need no more, which are none where the nearest
+    /// hit is wanted.
+    #[inline(never)]
+    fn test(&self, walk: &mut Walk, object: &Object, mut rays: Mask) -> Mask {
+        let mut done = 0;
+        let id = HitId { instance: HitId::NO_INSTANCE, object: object.id, part: 0 };
+        let transform = self.transform(object.transform);
+        while rays != 0 {
+            let lane = rays.trailing_zeros() as usize % LANES;
+            rays &= rays - 1;
+            let Some(query) = walk.queries.get(lane) else { continue };
+            let departure = query.departure.as_ref();
+            let local = LocalRay {
+                origin: query.ray.origin,
+                direction: query.ray.direction,
+                error: query.ray.error,
+                t_max: walk.t[lane],
+                leaving: departure.filter(|d| d.from.same_object(&id)).map(leaving),
+            };
+            let root = match transform {
+                None => meet(id.instance, object, &local, query.contacts),
+                Some(_) => meet(id.instance, object, &into(transform, &local), query.contacts),
+            };
+            let Some(root) = root else { continue };
+            let hit = Hit { t: root.t, id: HitId { part: root.part, ..id } };
+            if walk.any {
+                if hit.t < query.t_max {
+                    walk.keep(lane, hit);
+                    done |= 1 << lane;
+                }
+            } else if hit.t <= query.t_max && hit.comes_before(walk.best(lane)) {
+                walk.keep(lane, hit);
+            }
+        }
+        done
+    }
+
+    /// Lets each ray alone visit the instances.
+    #[inline(never)]
+    fn visit_instances_alone(&self, walk: &mut Walk, rays: Mask) {
+        for (lane, query) in walk.queries.iter().enumerate() {
+            let bit = 1 << lane;
+            if rays & bit == 0 || (walk.any && walk.hit & bit != 0) {
+                continue;
+            }
+            let departure = query.departure.as_ref();
+            let best = walk.best(lane);
+            let found = if walk.any {
+                self.any_instance(&query.ray, query.t_max, departure, query.contacts)
+            } else {
+                self.nearest_instance(&query.ray, walk.t[lane], departure, query.contacts)
+            };
+            if let Some(hit) = found.filter(|hit| hit.comes_before(best)) {
+                walk.keep(lane, hit);
+            }
+        }
+    }
+}
+
+/// The objects in the leaves of a level.
+struct Objects<'a, 'w, 'q> {
+    world: &'a World,
+    level: &'a Level,
+    objects: &'a [Object],
+    walk: &'w mut Walk<'q>,
+}
+
+impl<R: Rows> Leaves<R> for Objects<'_, '_, '_> {
+    #[inline(always)]
+    fn leaf(&mut self, items: Range<usize>, rays: Mask, packet: &mut Packet) -> Mask {
+        let mut done = 0;
+        let filters = self.level.filters.get(items.clone()).unwrap_or_default();
+        for (filter, object) in filters.iter().zip(self.objects.get(items).unwrap_or_default()) {
+            let rays = filter.test::<R>(packet) & rays & !done;
+            if rays != 0 {
+                let before = self.walk.t;
+                done |= self.world.test(self.walk, object, rays);
+                if !self.walk.any {
+                    self.walk.shorten(packet, rays, &before);
+                }
+            }
+        }
+        done
+    }
+}
+
+impl Walk<'_> {
+    /// The best hit of a ray so far.
+    #[inline(always)]
+    fn best(&self, lane: usize) -> Option<Hit> {
+        let lane = lane % LANES;
+        (self.hit & 1 << lane != 0).then(|| Hit { t: self.t[lane], id: self.ids[lane] })
+    }
+
+    #[inline(always)]
+    fn keep(&mut self, lane: usize, hit: Hit) {
+        let lane = lane % LANES;
+        self.hit |= 1 << lane;
+        self.ids[lane] = hit.id;
+        self.t[lane] = hit.t;
+    }
+
+    /// Takes over how far the rays still go.
+    #[inline(always)]
+    fn shorten(&self, packet: &mut Packet, mut rays: Mask, before: &[f64; LANES]) {
+        while rays != 0 {
+            let lane = rays.trailing_zeros() as usize % LANES;
+            rays &= rays - 1;
+            if self.t[lane] != before[lane] {
+                packet.shorten(lane, self.t[lane]);
+            }
+        }
     }
 }

@@ -3,6 +3,7 @@
 
 use dioptric_math::{DAffine3, DVec3};
 
+use super::filter::Filter;
 use super::{Instance, Level, NO_TRANSFORM, Object, Reach, World};
 use crate::bounds::Bounds;
 use crate::bvh::Bvh;
@@ -168,6 +169,18 @@ impl WorldBuilder {
             })
         });
         permute(&mut instances, order);
+        if let Some(top) = levels.first_mut() {
+            let center = top.bvh.center();
+            let bounded = objects.get(..top.bounded).unwrap_or_default();
+            top.filters = bounded
+                .iter()
+                .map(|o| {
+                    let moved = transform(o.transform);
+                    let (placed, _) = place(o.shape.bounds(), Reach::NONE, moved);
+                    Filter::new(&o.shape, &placed, moved.is_some(), center)
+                })
+                .collect();
+        }
         World {
             place_of: invert(objects.iter().map(|o| o.id)),
             instance_place_of: invert(instances.iter().map(|i| i.id)),
@@ -240,8 +253,15 @@ impl Level {
         let (bvh, order) = Bvh::build(boxes, center);
         let mut all: Vec<u32> =
             order.into_iter().filter_map(|i| bounded.get(i as usize).copied()).collect();
-        let level =
-            Self { bvh, first, bounded: bounded.len(), unbounded: unbounded.len(), bounds, reach };
+        let level = Self {
+            bvh,
+            first,
+            bounded: bounded.len(),
+            unbounded: unbounded.len(),
+            bounds,
+            reach,
+            filters: Vec::new(),
+        };
         all.extend(unbounded);
         all.extend(empty);
         (level, all)

@@ -9,13 +9,15 @@
 mod batch;
 mod builder;
 mod cast;
+mod filter;
 mod query;
 
 use dioptric_math::bounds::gamma;
 use dioptric_math::{DAffine3, DVec2, DVec3};
 
+use self::filter::Filter;
 use crate::bounds::Bounds;
-use crate::bvh::{BoxRay, Bvh};
+use crate::bvh::{BoxRay, Bvh, Lanes};
 use crate::ray::HitId;
 use crate::shape::SurfacePoint;
 use crate::shapes::AnyShape;
@@ -35,6 +37,14 @@ pub struct Hit {
     pub t: f64,
     /// What was hit.
     pub id: HitId,
+}
+
+impl Hit {
+    /// Whether it is the one to keep: nearer, or as near and with the lower id.
+    #[inline]
+    pub(crate) fn comes_before(&self, other: Option<Self>) -> bool {
+        other.is_none_or(|o| self.t < o.t || (self.t == o.t && self.id < o.id))
+    }
 }
 
 /// Everything about one point of a surface, in the ray's space; lengths in its units.
@@ -93,6 +103,8 @@ struct Level {
     unbounded: usize,
     bounds: Bounds,
     reach: Reach,
+    /// Of the bounded things in the tree's order; only of the objects outside of groups.
+    filters: Vec<Filter>,
 }
 
 /// How far the numeric hits of a level's things may lie outside of their exact boxes, as
@@ -196,8 +208,20 @@ impl World {
             + self.transforms.capacity() * size_of::<Transform>()
             + self.instances.capacity() * size_of::<Instance>()
             + self.levels.capacity() * size_of::<Level>()
-            + levels.map(|level| level.bvh.memory_bytes()).sum::<usize>()
+            + levels
+                .map(|level| {
+                    level.bvh.memory_bytes() + level.filters.capacity() * size_of::<Filter>()
+                })
+                .sum::<usize>()
             + self.objects.iter().map(|o| o.shape.memory_bytes()).sum::<usize>()
+    }
+
+    /// Runs the queries on these instructions, or the best below them that there are: for tests.
+    #[doc(hidden)]
+    pub fn use_lanes(&mut self, lanes: Lanes) {
+        for level in self.levels.iter_mut().chain([&mut self.instance_level]) {
+            level.bvh.use_lanes(lanes);
+        }
     }
 
     fn object(&self, id: u32) -> Option<&Object> {

@@ -58,16 +58,7 @@ impl World {
     ) -> Option<Hit> {
         let mut best: Option<Hit> = None;
         self.visit(ray, t_max, departure, counter, |instance, object, local| {
-            if let Some(root) = meet(instance, object, local, contacts) {
-                let hit =
-                    Hit { t: root.t, id: HitId { instance, object: object.id, part: root.part } };
-                let nearer = |b: Hit| hit.t < b.t || (hit.t == b.t && hit.id < b.id);
-                if hit.t <= t_max && best.is_none_or(nearer) {
-                    best = Some(hit);
-                    return Some(hit.t);
-                }
-            }
-            Some(local.t_max)
+            Some(improve(&mut best, instance, object, local, t_max, contacts))
         });
         best
     }
@@ -123,6 +114,43 @@ impl World {
         counter: &mut C,
     ) -> bool {
         self.any(ray, t_max, departure, contacts, counter).is_some()
+    }
+
+    /// The nearest hit of instances alone.
+    pub(super) fn nearest_instance(
+        &self,
+        ray: &Ray,
+        t_max: f64,
+        departure: Option<&Departure>,
+        contacts: Contacts,
+    ) -> Option<Hit> {
+        let mut best = None;
+        let at_top = scene_ray(ray, t_max)?;
+        self.visit_instances(&at_top, t_max, departure, &mut NoCount, |instance, object, local| {
+            Some(improve(&mut best, instance, object, local, t_max, contacts))
+        });
+        best
+    }
+
+    /// Any hit of instances alone.
+    pub(super) fn any_instance(
+        &self,
+        ray: &Ray,
+        t_max: f64,
+        departure: Option<&Departure>,
+        contacts: Contacts,
+    ) -> Option<Hit> {
+        let mut found = None;
+        let at_top = scene_ray(ray, t_max)?;
+        self.visit_instances(&at_top, t_max, departure, &mut NoCount, |instance, object, local| {
+            let root = meet(instance, object, local, contacts).filter(|root| root.t < t_max);
+            found = root.map(|root| Hit {
+                t: root.t,
+                id: HitId { instance, object: object.id, part: root.part },
+            });
+            found.is_none().then_some(local.t_max)
+        });
+        found
     }
 
     fn any<C: Counter>(
@@ -258,9 +286,21 @@ impl World {
         if self.instances.is_empty() {
             return Some(t_max);
         }
+        self.visit_instances(&at_top, t_max, departure, counter, test)
+    }
+
+    /// The same for the objects of instances alone.
+    fn visit_instances<C: Counter>(
+        &self,
+        at_top: &LocalRay,
+        mut t_max: f64,
+        departure: Option<&Departure>,
+        counter: &mut C,
+        mut test: impl FnMut(u32, &Object, &LocalRay) -> Option<f64>,
+    ) -> Option<f64> {
         let mut visit_instance = |instance: &Instance, t_max: f64, counter: &mut C| {
             let Some(level) = self.levels.get(instance.group as usize) else { return Some(t_max) };
-            let inside = into(self.transform(instance.transform), &at_top);
+            let inside = into(self.transform(instance.transform), at_top);
             let departure = departure.filter(|d| d.from.instance == instance.id);
             self.visit_objects(level, &inside, t_max, departure, counter, |object, local| {
                 test(instance.id, object, local)
@@ -325,10 +365,35 @@ impl World {
     }
 }
 
+/// Keeps the hit of an object if it comes before the best one; returns how far is still of interest.
+#[inline]
+fn improve(
+    best: &mut Option<Hit>,
+    instance: u32,
+    object: &Object,
+    local: &LocalRay,
+    t_max: f64,
+    contacts: Contacts,
+) -> f64 {
+    if let Some(root) = meet(instance, object, local, contacts) {
+        let hit = Hit { t: root.t, id: HitId { instance, object: object.id, part: root.part } };
+        if hit.t <= t_max && hit.comes_before(*best) {
+            *best = Some(hit);
+            return hit.t;
+        }
+    }
+    local.t_max
+}
+
 /// The nearest root of an object. A surface that touches the point which the ray leaves and is not to be
 /// crossed is left as that point's own surface is.
 #[inline]
-fn meet(instance: u32, object: &Object, ray: &LocalRay, contacts: Contacts) -> Option<Root> {
+pub(super) fn meet(
+    instance: u32,
+    object: &Object,
+    ray: &LocalRay,
+    contacts: Contacts,
+) -> Option<Root> {
     let root = object.shape.intersect(ray)?;
     let far = root.t * ray.direction.abs().max_element() > CONTACT_REACH * ray.error;
     if contacts == Contacts::CROSSED || far || ray.leaving.is_some() {
@@ -346,7 +411,7 @@ fn meet(instance: u32, object: &Object, ray: &LocalRay, contacts: Contacts) -> O
 }
 
 /// The ray as a local one; `None` unless it is finite and goes somewhere.
-fn scene_ray(ray: &Ray, t_max: f64) -> Option<LocalRay> {
+pub(super) fn scene_ray(ray: &Ray, t_max: f64) -> Option<LocalRay> {
     let usable = ray.origin.is_finite()
         && ray.direction.is_finite()
         && ray.direction.abs().max_element() > 0.0
@@ -362,13 +427,13 @@ fn scene_ray(ray: &Ray, t_max: f64) -> Option<LocalRay> {
 }
 
 /// A ray in the space of something that is placed in the ray's present space.
-fn into(transform: Option<&Transform>, ray: &LocalRay) -> LocalRay {
+pub(super) fn into(transform: Option<&Transform>, ray: &LocalRay) -> LocalRay {
     let Some(transform) = transform else { return *ray };
     let (origin, error) = transform.point_to_local(ray.origin, ray.error);
     LocalRay { origin, direction: transform.direction_to_local(ray.direction), error, ..*ray }
 }
 
-fn leaving(departure: &Departure) -> Leaving {
+pub(super) fn leaving(departure: &Departure) -> Leaving {
     Leaving { part: departure.from.part, outward: departure.outward }
 }
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A point being shaded, and the rays that leave it.
 
-use std::borrow::Cow;
-
 use dioptric_geometry::world::{Hit, Query};
 use dioptric_geometry::{Contacts, Departure, HitId, Ray, SurfacePoint};
 use dioptric_math::DVec3;
@@ -10,8 +8,7 @@ use dioptric_math::bounds::gamma;
 
 use super::optics::{facing, reflect, refract};
 use crate::film::FirstHit;
-use crate::material::Finish;
-use crate::scene::{Scene, Shading};
+use crate::scene::{Answer, Scene, Shading};
 
 /// A ray that leaves a surface.
 #[derive(Clone, Copy)]
@@ -40,7 +37,7 @@ pub(super) struct Point<'a> {
     pub ray: Ray,
     pub hit: Hit,
     pub surface: SurfacePoint,
-    pub finish: Cow<'a, Finish>,
+    pub finish: Answer<'a>,
     /// The shading normal, facing the incoming ray, on the side of [`Self::geometric`].
     pub normal: DVec3,
     /// Whether the ray comes from the side of the geometric normal: from outside of a solid.

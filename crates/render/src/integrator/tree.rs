@@ -29,8 +29,8 @@ pub(super) struct Node<I> {
     pub own: Spectrum,
     /// How many of the rays below are not done.
     pub waiting: u8,
-    /// What multiplies the values of the rays below.
-    pub weights: [Spectrum; 2],
+    /// What multiplies its value for who waits for it.
+    pub weight: Spectrum,
     /// Weights times values of the rays below that are done.
     pub below: [Spectrum; 2],
     /// The way from where it started to what it met.
@@ -47,17 +47,17 @@ pub(super) struct Nodes<I> {
 }
 
 impl<I: Copy> Nodes<I> {
-    pub fn new() -> Self {
-        Self { nodes: Vec::new(), free: Vec::new() }
+    pub fn new(room: usize) -> Self {
+        Self { nodes: Vec::with_capacity(room), free: Vec::with_capacity(room) }
     }
 
-    pub fn add(&mut self, id: I, above: Above, inside: Inside) -> u32 {
+    pub fn add(&mut self, id: I, above: Above, weight: Spectrum, inside: Inside) -> u32 {
         let node = Node {
             id,
             above,
             own: Spectrum::ZERO,
             waiting: 0,
-            weights: [Spectrum::ZERO; 2],
+            weight,
             below: [Spectrum::ZERO; 2],
             distance: f64::INFINITY,
             inside,

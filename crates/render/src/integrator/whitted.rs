@@ -91,9 +91,9 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
             counts,
             recorder,
             media: Media::new(scene.surroundings.ior),
-            nodes: Nodes::new(),
-            queries: Vec::new(),
-            legs: Vec::new(),
+            nodes: Nodes::new(ROUND),
+            queries: Vec::with_capacity(ROUND),
+            legs: Vec::with_capacity(ROUND),
             radiances: Vec::new(),
         }
     }
@@ -111,12 +111,13 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
         self.counts.camera += rays.len() as u64;
         for ((ray, stream), sample) in rays.zip(0..) {
             let id = self.recorder.begin(None, RayKind::Camera, &ray);
-            let node = self.nodes.add(id, Above::Sample(sample), inside);
+            let node = self.nodes.add(id, Above::Sample(sample), Spectrum::ONE, inside);
             let contacts = Contacts::CROSSED;
             self.queries.push(Query { ray, t_max: f64::INFINITY, departure: None, contacts });
             self.legs.push(Follow { node, state, stream });
         }
         let mut round = Round::default();
+        round.met.reserve(ROUND);
         while !self.legs.is_empty() {
             if cancel.load(Ordering::Relaxed) {
                 return Vec::new();
@@ -127,7 +128,7 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
     }
 
     /// Casts the rays that came last, and shades what they meet.
-    fn round(&mut self, round: &mut Round) {
+    fn round(&mut self, round: &mut Round<'a>) {
         let first = self.legs.len().saturating_sub(ROUND);
         let scene = self.scene;
         scene.world.closest_each(&self.queries[first..], &mut round.hits);
@@ -135,7 +136,7 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
         round.queries.extend(self.queries.drain(first..));
         round.legs.clear();
         round.legs.extend(self.legs.drain(first..));
-        let mut met = Vec::with_capacity(round.legs.len());
+        let mut met = std::mem::take(&mut round.met);
         for ((query, leg), hit) in round.queries.iter().zip(&round.legs).zip(&round.hits) {
             match hit.and_then(|hit| self.resolve(query, hit, leg.state.inside)) {
                 Some((hit, shading)) => {
@@ -153,9 +154,11 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
             }
         }
         self.light(&mut met, &mut round.light);
-        for met in met {
+        for met in &mut met {
             self.scatter(met);
         }
+        met.clear();
+        round.met = met;
     }
 
     /// Casts a further ray and returns true. Rays whose weight is too small to matter by the scene's setting
@@ -186,10 +189,8 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
         }
         let state = State { depth: met.state.depth + 1, throughput, inside };
         let below = self.recorder.begin(Some((id, slot)), kind, &leg.ray);
-        let node = self.nodes.add(below, Above::Node(met.node, slot), inside);
-        let parent = &mut self.nodes[met.node];
-        parent.waiting += 1;
-        parent.weights[usize::from(slot)] = weight;
+        let node = self.nodes.add(below, Above::Node(met.node, slot), weight, inside);
+        self.nodes[met.node].waiting += 1;
         let stream = if slot == 0 { met.stream } else { met.stream.forked() };
         self.queries.push(leg.query(f64::INFINITY));
         self.legs.push(Follow { node, state, stream });
@@ -198,16 +199,18 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
     /// Works out the value of a node that waits for nothing, and of those above that waited only for it.
     pub(super) fn settle(&mut self, mut index: u32) {
         loop {
-            let node = self.nodes[index];
+            let node = &self.nodes[index];
             if node.waiting > 0 {
                 return;
             }
+            let (id, above, weight) = (node.id, node.above, node.weight);
+            let (distance, inside) = (node.distance, node.inside);
             let value = node.own + node.below[0] + node.below[1];
-            let value = self.attenuated(node.id, value, node.distance, node.inside);
+            let value = self.attenuated(id, value, distance, inside);
             self.nodes.release(index);
-            match node.above {
+            match above {
                 Above::Sample(sample) => {
-                    self.recorder.end(node.id, Spectrum::ONE, value);
+                    self.recorder.end(id, Spectrum::ONE, value);
                     let radiance = &mut self.radiances[sample as usize];
                     radiance.color = value;
                     let hit = radiance.first.object != FirstHit::NOTHING;
@@ -216,10 +219,9 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
                 }
                 Above::Node(above, slot) => {
                     let parent = &mut self.nodes[above];
-                    let weight = parent.weights[usize::from(slot)];
                     parent.below[usize::from(slot)] = weight * value;
                     parent.waiting -= 1;
-                    self.recorder.end(node.id, weight, value);
+                    self.recorder.end(id, weight, value);
                     index = above;
                 }
             }
@@ -302,16 +304,21 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
     }
 
     /// Sends the rays that go on from a point whose own colour is known.
-    fn scatter(&mut self, mut met: Met) {
+    fn scatter(&mut self, met: &mut Met) {
         let id = self.nodes[met.node].id;
         let at_limit = met.state.depth >= self.scene.settings.bounces;
+        if met.point.finish.optics == Optics::Opaque {
+            self.nodes[met.node].own = met.own;
+            self.settle(met.node);
+            return;
+        }
         let optics = met.point.finish.optics;
-        if at_limit && optics != Optics::Opaque {
+        if at_limit {
             self.recorder.note(id, "bounce_limit", || json!(self.scene.settings.bounces));
         }
         match optics {
             _ if at_limit => self.nodes[met.node].own = met.own,
-            Optics::Opaque => self.nodes[met.node].own = met.own,
+            Optics::Opaque => {}
             Optics::Mirror { reflect, grazing, covers, .. } => {
                 let point = &met.point;
                 let weight = schlick(reflect, grazing, -point.ray.direction.dot(met.facet));
@@ -323,15 +330,15 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
                 }
                 self.nodes[met.node].own = own;
                 let leg = point.back(point.mirrored(met.facet));
-                self.follow(&met, 0, RayKind::Reflected, leg, weight, met.state.inside);
+                self.follow(met, 0, RayKind::Reflected, leg, weight, met.state.inside);
             }
             Optics::Shares { own, ior, tint, absorption } => {
-                self.through_by_shares(&met, own, ior, tint, absorption);
+                self.through_by_shares(met, own, ior, tint, absorption);
             }
             Optics::Dielectric { ior, reflect, transmit, absorption, roughness } => {
                 let medium = Medium { object: met.point.hit.id, ior, absorption };
                 let how = Dielectric { reflect, transmit, roughness };
-                self.dielectric(&mut met, &medium, how);
+                self.dielectric(met, &medium, how);
             }
         }
         self.settle(met.node);
@@ -340,7 +347,8 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
 
 /// Memory that the rounds of a batch use again.
 #[derive(Default)]
-struct Round {
+struct Round<'a> {
+    met: Vec<Met<'a>>,
     queries: Vec<Query>,
     legs: Vec<Follow>,
     hits: Vec<Option<Hit>>,

@@ -39,10 +39,7 @@ pub(super) struct Summary {
 
 impl Summary {
     /// Adds the next base sample.
-    pub fn add(&mut self, settings: &RenderSettings, radiance: &Radiance) {
-        if settings.antialias != Antialias::Adaptive {
-            return;
-        }
+    pub fn add(&mut self, radiance: &Radiance) {
         let shown = shown(radiance.color);
         let normal = radiance.first.normal.to_array().map(|c| c as f32);
         if self.count == 0 {
@@ -58,10 +55,8 @@ impl Summary {
     }
 
     /// Takes the colour of the whole pixel, when all its base samples are there.
-    pub fn finish(&mut self, settings: &RenderSettings, pixel: &FilmPixel) {
-        if settings.antialias == Antialias::Adaptive {
-            self.shown = shown(pixel.linear());
-        }
+    pub fn finish(&mut self, pixel: &FilmPixel) {
+        self.shown = shown(pixel.linear());
     }
 
     fn is_uneven(&self, threshold: f64) -> bool {
@@ -129,9 +124,9 @@ pub fn samples_of_pixel(settings: &RenderSettings, pixel: [u32; 2], shoot: &dyn 
             shoot.shoot(&shots, &mut RayCounts::default(), &never, &mut radiances);
             for (shot, radiance) in shots.iter().zip(&radiances) {
                 film.add(shot.sample.weight, radiance);
-                summary.add(settings, radiance);
+                summary.add(radiance);
             }
-            summary.finish(settings, &film);
+            summary.finish(&film);
             summary
         })
         .collect();

@@ -203,16 +203,18 @@ struct PassProgress {
 
 impl State {
     fn store(&mut self, tile: Sampled, around: &Region, finished: bool, control: &Control) {
-        for ([x, y], pixel) in tile.region.pixels().zip(&tile.pixels) {
-            let Some((mut pixel, summary)) = *pixel else { continue };
+        for (i, ([x, y], pixel)) in tile.region.pixels().zip(&tile.pixels).enumerate() {
+            let Some(pixel) = pixel else { continue };
             self.progress.done += 1;
-            let index = around.index(x, y);
-            if let Some(slot) = index.and_then(|i| self.summaries.get_mut(i)) {
-                *slot = summary;
+            if let Some(summary) = tile.summaries.get(i) {
+                let index = around.index(x, y);
+                if let Some(slot) = index.and_then(|i| self.summaries.get_mut(i)) {
+                    *slot = *summary;
+                }
             }
             if let Some(slot) = self.film.pixel_mut(x, y) {
-                pixel.finished = finished;
-                *slot = pixel;
+                *slot = *pixel;
+                slot.finished = finished;
             }
         }
         self.film.rays.add(&tile.rays);

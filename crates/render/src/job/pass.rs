@@ -9,7 +9,7 @@ use rayon::ThreadPool;
 use super::adaptive::Summary;
 use super::{Control, Region, Shoot, Shot};
 use crate::film::{FilmPixel, Radiance};
-use crate::sampling::pixel_sample;
+use crate::sampling::{Antialias, pixel_sample};
 use crate::setting::render::RenderSettings;
 use crate::stats::RayCounts;
 
@@ -17,7 +17,9 @@ use crate::stats::RayCounts;
 pub(super) struct Sampled {
     pub region: Region,
     /// Row by row; `None` for pixels that were left alone.
-    pub pixels: Vec<Option<(FilmPixel, Summary)>>,
+    pub pixels: Vec<Option<FilmPixel>>,
+    /// Row by row, of adaptive pictures; else empty.
+    pub summaries: Vec<Summary>,
     pub rays: RayCounts,
 }
 
@@ -68,7 +70,6 @@ pub(super) fn sample_tile(
 ) -> Sampled {
     let count = tile.area() as usize;
     let mut work = Work {
-        settings,
         shoot,
         control,
         base: base.unwrap_or_else(|| vec![FilmPixel::default(); count]),
@@ -76,7 +77,10 @@ pub(super) fn sample_tile(
         shots: Vec::with_capacity(BATCH),
         pixels_of: Vec::with_capacity(BATCH),
         radiances: Vec::with_capacity(BATCH),
-        summaries: vec![Summary::default(); count],
+        summaries: match settings.antialias {
+            Antialias::Adaptive => vec![Summary::default(); count],
+            _ => Vec::new(),
+        },
         added: vec![0; count],
         rays: RayCounts::default(),
     };
@@ -114,7 +118,6 @@ fn blocks(tile: &Region) -> impl Iterator<Item = [u32; 2]> + use<> {
 
 /// A tile being sampled.
 struct Work<'a> {
-    settings: &'a RenderSettings,
     shoot: &'a dyn Shoot,
     control: &'a Control<'a>,
     /// The pixels with what was added.
@@ -143,7 +146,9 @@ impl Work<'_> {
             self.shots.iter().zip(&self.radiances).zip(&self.pixels_of)
         {
             self.base[pixel].add(shot.sample.weight, radiance);
-            self.summaries[pixel].add(self.settings, radiance);
+            if let Some(summary) = self.summaries.get_mut(pixel) {
+                summary.add(radiance);
+            }
             self.added[pixel] += 1;
         }
         let complete = self.radiances.len() == self.shots.len();
@@ -154,16 +159,14 @@ impl Work<'_> {
 
     /// The pixels that got all their samples.
     fn finish(self, region: Region) -> Sampled {
-        let Self { settings, base, wanted, summaries, added, rays, .. } = self;
-        let pixels = base
-            .into_iter()
-            .zip(summaries)
-            .zip(added)
-            .map(|((pixel, mut summary), added)| {
-                summary.finish(settings, &pixel);
-                (added == wanted && !pixel.finished).then_some((pixel, summary))
-            })
-            .collect();
-        Sampled { region, pixels, rays }
+        let Self { base, wanted, mut summaries, added, rays, .. } = self;
+        for (summary, pixel) in summaries.iter_mut().zip(&base) {
+            summary.finish(pixel);
+        }
+        let complete = |(pixel, added): (FilmPixel, u32)| {
+            (added == wanted && !pixel.finished).then_some(pixel)
+        };
+        let pixels = base.into_iter().zip(added).map(complete).collect();
+        Sampled { region, pixels, summaries, rays }
     }
 }

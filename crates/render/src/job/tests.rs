@@ -21,7 +21,7 @@ fn settings(antialias: Antialias, samples: u32, size: [u32; 2]) -> RenderSetting
 fn waves(sample: &PixelSample, stream: &mut Stream, rays: &mut RayCounts) -> Radiance {
     let (x, y) = (sample.x, sample.y);
     rays.camera += 1;
-    let noise: f64 = stream.pairs(3).map(|[u, v]| u * v).sum::<f64>() + sample.lens[0];
+    let noise: f64 = stream.pairs(3).map(|[u, v]| u * v).sum::<f64>() + stream.next_1d();
     let inside = (x - 20.0) * (x - 20.0) + (y - 15.0) * (y - 15.0) < 100.0;
     rays.shadow += u64::from(inside) * 3;
     let wave = 0.5 + 0.4 * sin(0.2 * x) * sin(0.3 * y);

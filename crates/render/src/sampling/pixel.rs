@@ -16,15 +16,13 @@ pub struct PixelSample {
     pub x: f64,
     /// Pixels from the top edge of the full picture.
     pub y: f64,
-    /// Two numbers in `[0, 1)` that pick a point of the lens.
-    pub lens: [f64; 2],
     /// How much it counts before the weights of the pixel are made to add up to 1: 1, or -1 in a
     /// negative lobe of the filter.
     pub weight: f64,
 }
 
 /// Sample `index` of a pixel (column, row) of the full picture, and the numbers for the rest of its
-/// way. Depends on nothing but the settings and these.
+/// way, of which the first two are for the lens. Depends on nothing but the settings and these.
 #[must_use]
 pub fn pixel_sample(
     settings: &RenderSettings,
@@ -34,8 +32,7 @@ pub fn pixel_sample(
     let mut stream = Stream::new(settings.antialias, pixel, index, settings.seed);
     let (offset, weight) = offset(settings, pixel, index, &mut stream);
     let [x, y] = [0, 1].map(|axis| f64::from(pixel[axis]) + offset[axis]);
-    let lens = stream.next_2d();
-    (PixelSample { x, y, lens, weight }, stream)
+    (PixelSample { x, y, weight }, stream)
 }
 
 /// The weights of a pixel's first `count` samples, which add up to 1: the pixel's colour is the sum
@@ -196,7 +193,7 @@ mod tests {
         for x in 0..n {
             let (sample, mut stream) = pixel_sample(&s, [x, 3], 0);
             let u = sample.x - f64::from(x) - 0.5;
-            sum += u * (sample.lens[0] - 0.5) + u * (stream.next_1d() - 0.5);
+            sum += u * (stream.next_2d()[0] - 0.5) + u * (stream.next_1d() - 0.5);
         }
         assert!((sum / f64::from(n)).abs() < 4.0 / (12.0 * 63.0) * 1.5, "{sum}");
     }
@@ -253,7 +250,7 @@ mod tests {
                     let (n, mut sum) = (1 << 16, 0.0);
                     for i in 0..n {
                         let (sample, mut stream) = pixel_sample(&s, [i / 16, 7], i % 16);
-                        sum += sample.x + sample.lens[0] + stream.next_2d()[1];
+                        sum += sample.x + stream.next_2d()[0] + stream.next_2d()[1];
                     }
                     std::hint::black_box(sum);
                     best = best.min(start.elapsed().as_nanos() as f64 / f64::from(n));

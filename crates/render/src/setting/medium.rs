@@ -67,6 +67,9 @@ impl Surroundings {
     /// The share of light that is left after a distance in the space of rays; it may be infinite.
     #[must_use]
     pub fn transmittance(&self, distance: f64) -> Spectrum {
+        if self.absorption_in_rays == Spectrum::ZERO {
+            return Spectrum::ONE;
+        }
         // A lane without absorption stays 1 at an infinite distance: 0 times infinity is no number.
         let lane = |a: f64| if a > 0.0 { exp(-a * distance) } else { 1.0 };
         Spectrum::from(self.absorption_in_rays.to_array().map(lane))
