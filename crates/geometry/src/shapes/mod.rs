@@ -22,6 +22,7 @@ pub mod cylinder;
 pub mod disc;
 mod frame;
 mod frustum;
+mod outline;
 pub mod plane;
 pub mod polygon;
 pub mod rectangle;

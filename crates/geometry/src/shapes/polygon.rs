@@ -7,7 +7,7 @@ use dioptric_scene::{Args, Category, Default, Diagnostic, Param, Schema, Type, V
 
 use super::convex::{plane_root, root};
 use super::frame::around;
-use super::sheared::{Shear, area};
+use super::outline::{Cells, Halves, Outline, Room};
 use crate::bounds::Bounds;
 use crate::ray::LocalRay;
 use crate::shape::{Crossing, Described, LocalSurface, Root, Shape, SurfacePoint};
@@ -20,7 +20,8 @@ const OFF_PLACE: f64 = 1e-6;
 /// The outline and its holes, all in one plane.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polygon {
-    loops: Box<[Box<[DVec3]>]>,
+    filter: Filter,
+    outline: Outline,
     /// The mean of the outline's corners, and the plane's normal.
     center: DVec3,
     normal: DVec3,
@@ -30,6 +31,21 @@ pub struct Polygon {
     uv_min: DVec2,
     uv_size: DVec2,
     error: f64,
+    /// How far corners lie off the plane.
+    off: f64,
+}
+
+/// What can tell without looking at the edges whether a point is inside.
+#[derive(Clone, Debug, PartialEq)]
+enum Filter {
+    /// For quadrangles.
+    Four(Room, Halves<1>),
+    /// For other small convex ones.
+    Eight(Box<(Room, Halves<2>)>),
+    /// For all others.
+    Cells(Box<(Room, Cells)>),
+    /// For tiny and vast ones, and those where rounding says more than the numbers.
+    None,
 }
 
 /// What is wrong with the corners of a polygon.
@@ -118,36 +134,55 @@ impl Polygon {
             loops.iter().flatten().fold(0.0_f64, |m, &p| m.max((p - center).dot(normal).abs()));
         let bounds =
             Bounds { min: tight.min - (error + 2.0 * off), max: tight.max + (error + 2.0 * off) };
+        let outline = Outline::new(&loops);
         Ok(Self {
-            loops: loops.into_iter().map(Vec::into_boxed_slice).collect(),
+            filter: Filter::new(&outline, center, normal),
+            outline,
             center,
             normal,
             bounds,
             uv_min: low,
             uv_size: high - low,
             error,
+            off,
         })
     }
 
-    /// Whether the line through `origin` along `direction` passes through it, by the parity of the
-    /// edges to one side. An edge that the line meets counts as on that side, whichever way the edge
-    /// runs, so exactly one of two neighbours has it.
-    fn is_passed(&self, origin: DVec3, direction: DVec3) -> bool {
-        let shear = Shear::new(origin, direction);
-        let mut inside = false;
-        for corners in &self.loops {
-            let Some(&last) = corners.last() else { continue };
-            let mut a = shear.project(last);
-            for &corner in corners {
-                let b = shear.project(corner);
-                if (a.y > 0.0) != (b.y > 0.0) {
-                    let right = if a.y < b.y { area(a, b) >= 0.0 } else { area(b, a) >= 0.0 };
-                    inside ^= right;
-                }
-                a = b;
+    /// The exact test of a ray that passes the plane.
+    fn is_met(&self, ray: &LocalRay, t: f64) -> bool {
+        // Most rays pass the plane far from the outline. Along the plane where they do so is little known (see
+        // module `outline`), but a hit is next to the polygon in any case. NaN is a miss.
+        let p = ray.at(t);
+        let reach = ray.origin.abs().max_element() + p.abs().max_element() + self.error;
+        let slant = ray.direction.abs().element_sum() / ray.direction.dot(self.normal).abs();
+        let size = self.bounds.size().max_element();
+        let room =
+            ray.error + ((self.off + gamma(256) * reach) * slant).min(size) + gamma(4) * reach;
+        if !((p + room).cmpge(self.bounds.min).all() && (p - room).cmple(self.bounds.max).all()) {
+            return false;
+        }
+        // A ray that starts on the plane must start on the polygon.
+        let direction = if t > 0.0 { ray.direction } else { self.normal };
+        self.outline.is_passed(ray.origin, direction)
+    }
+}
+
+impl Filter {
+    fn new(outline: &Outline, center: DVec3, normal: DVec3) -> Self {
+        let relative: Vec<DVec3> = outline.corners().iter().map(|&p| p - center).collect();
+        let Some(mut room) = Room::new(&relative, normal) else { return Self::None };
+        if outline.is_simple() {
+            if let Some(halves) = Halves::new(&relative, normal, &mut room) {
+                return Self::Four(room, halves);
+            }
+            if let Some(halves) = Halves::new(&relative, normal, &mut room) {
+                return Self::Eight(Box::new((room, halves)));
             }
         }
-        inside
+        match Cells::new(outline, center, around(normal), &mut room) {
+            Some(cells) => Self::Cells(Box::new((room, cells))),
+            None => Self::None,
+        }
     }
 }
 
@@ -213,17 +248,22 @@ impl Shape for Polygon {
         if ray.leaving.is_some() {
             return None;
         }
-        let height = (ray.origin - self.center).dot(self.normal);
-        let t = plane_root(ray, height, ray.direction.dot(self.normal), self.error)?;
-        // Most rays pass the plane far from the outline. NaN is a miss.
-        let p = ray.at(t);
-        let room = ray.error + gamma(4) * (ray.origin.abs().max_element() + p.abs().max_element());
-        if !((p + room).cmpge(self.bounds.min).all() && (p - room).cmple(self.bounds.max).all()) {
-            return None;
-        }
-        // A ray that starts on the plane must start on the polygon.
-        let direction = if t > 0.0 { ray.direction } else { self.normal };
-        if self.is_passed(ray.origin, direction) { root(ray, t, 0) } else { None }
+        let offset = ray.origin - self.center;
+        let rate = ray.direction.dot(self.normal);
+        let t = plane_root(ray, offset.dot(self.normal), rate, self.error)?;
+        let p = offset + ray.direction * t;
+        let clear = |room: &Room| t > 0.0 && room.is_enough(offset, ray.direction, t, rate);
+        let known = match &self.filter {
+            Filter::Four(room, halves) if clear(room) => halves.encloses(p),
+            Filter::Eight(with) if clear(&with.0) => with.1.encloses(p),
+            Filter::Cells(with) if clear(&with.0) => {
+                Some(with.1.encloses(p).unwrap_or_else(|near| {
+                    with.1.is_passed(near, &self.outline, ray.origin, ray.direction)
+                }))
+            }
+            _ => None,
+        };
+        if known.unwrap_or_else(|| self.is_met(ray, t)) { root(ray, t, 0) } else { None }
     }
 
     fn crossings(&self, _ray: &LocalRay, _out: &mut Vec<Crossing>) {}
@@ -257,3 +297,6 @@ impl Shape for Polygon {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
