@@ -21,6 +21,7 @@ pub use dioptric_formats as formats;
 pub use dioptric_geometry as geometry;
 pub use dioptric_image as image;
 pub use dioptric_math as math;
+pub use dioptric_meshes as meshes;
 pub use dioptric_render as render;
 pub use dioptric_scene as scene;
 

@@ -18,6 +18,7 @@ mod scene_options;
 mod stage;
 mod stats;
 mod terminal;
+mod trace;
 mod why;
 mod why_text;
 
@@ -46,6 +47,7 @@ const EXIT_STATUS: &str = "Exit status: 0 done; 1 a scene or file is at fault (c
 enum Command {
     Render(Box<render::RenderArgs>),
     Why(Box<why::WhyArgs>),
+    Trace(Box<trace::TraceArgs>),
     Info(info::InfoArgs),
     Convert(convert::ConvertArgs),
     Compare(compare::CompareArgs),
@@ -79,6 +81,7 @@ pub fn main() -> ExitCode {
     let done = match &cli.command {
         Command::Render(args) => render::run(args, &terminal),
         Command::Why(args) => why::run(args, &terminal),
+        Command::Trace(args) => trace::run(args, &terminal),
         Command::Info(args) => info::run(args, &terminal),
         Command::Convert(args) => convert::run(args, &terminal),
         Command::Compare(args) => compare::run(args),

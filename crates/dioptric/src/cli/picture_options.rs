@@ -110,14 +110,7 @@ impl PictureOptions {
     /// # Errors
     /// The system gives none.
     pub fn pool(&self) -> Result<rayon::ThreadPool, Failure> {
-        let threads = self.threads.map_or_else(
-            || std::thread::available_parallelism().map_or(1, std::num::NonZero::get),
-            usize::from,
-        );
-        rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| Failure::File {
-            message: format!("cannot start {threads} threads: {e}"),
-            help: "ask for fewer with --threads".into(),
-        })
+        pool(self.threads)
     }
 
     fn render(&self) -> Vec<(&'static str, Value)> {
@@ -149,6 +142,21 @@ impl PictureOptions {
         ];
         all.into_iter().filter_map(|(name, value)| Some((name, value?))).collect()
     }
+}
+
+/// So many threads, as many as the machine has where nothing is said.
+///
+/// # Errors
+/// The system gives none.
+pub fn pool(threads: Option<u16>) -> Result<rayon::ThreadPool, Failure> {
+    let threads = threads.map_or_else(
+        || std::thread::available_parallelism().map_or(1, std::num::NonZero::get),
+        usize::from,
+    );
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| Failure::File {
+        message: format!("cannot start {threads} threads: {e}"),
+        help: "ask for fewer with --threads".into(),
+    })
 }
 
 /// What is wrong with an option is wrong usage, not the scene's fault.

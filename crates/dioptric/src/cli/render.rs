@@ -94,7 +94,9 @@ pub fn run(args: &RenderArgs, terminal: &Terminal) -> Result<(), Failure> {
         let (description, params) = (Arc::new(reading.description), reading.params);
 
         let started = Instant::now();
-        let (scene, warnings) = compile::compile(&description, &loader, &options)
+        // In the pool, so that trees are built by all threads.
+        let (scene, warnings) = pool
+            .install(|| compile::compile(&description, &loader, &options))
             .map_err(|errors| Failure::Scene(errors, description.sources.clone()))?;
         let compiled = started.elapsed().as_secs_f64();
         terminal.complain(&warnings, &description.sources);

@@ -72,6 +72,10 @@ impl Loader for SceneLoader {
     fn read(&self, path: &str) -> Result<Vec<u8>, LoadError> {
         if path == self.name { Ok(self.bytes.clone()) } else { self.folder.read(path) }
     }
+
+    fn open(&self, path: &str) -> Result<Box<dyn Read + '_>, LoadError> {
+        self.folder.open(path)
+    }
 }
 
 impl SceneOptions {
@@ -124,6 +128,11 @@ impl SceneOptions {
     /// The most objects that the scene may have.
     pub fn max_objects(&self) -> usize {
         self.limits().objects
+    }
+
+    /// Bytes that reading may take, where the user says so.
+    pub const fn max_memory(&self) -> Option<u64> {
+        self.max_memory
     }
 
     fn limits(&self) -> Limits {

@@ -97,7 +97,7 @@ pub fn settings(settings: &RenderSettings, develop: &Develop, region: Region) ->
 }
 
 /// The most memory that this process has had, where the system says so.
-fn peak_bytes() -> Option<u64> {
+pub fn peak_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
     let kib: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;

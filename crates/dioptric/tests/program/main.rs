@@ -6,8 +6,10 @@
 mod animation;
 mod commands;
 mod corpus;
+mod degenerate;
 mod determinism;
 mod interruption;
 mod output;
 mod run;
+mod trace;
 mod why;
