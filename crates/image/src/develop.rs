@@ -5,6 +5,7 @@
 //! deterministic functions of `dioptric-math`, so a pixel has the same bits on every processor.
 
 use crate::buffer::Image;
+use crate::bytes::ByteScale;
 use crate::error::ImageError;
 use crate::names;
 use crate::transfer::{Encoding, quantize_8, quantize_16};
@@ -151,13 +152,17 @@ impl Develop {
     }
 
     fn stages(&self, linear: [f32; 3]) -> [[f64; 3]; 3] {
+        let [exposed, toned] = self.exposed_and_toned(linear);
+        [exposed, toned, toned.map(|c| self.encoding.encode(c))]
+    }
+
+    fn exposed_and_toned(&self, linear: [f32; 3]) -> [[f64; 3]; 2] {
         let exposed = linear.map(|c| {
             // Through f32's range, so that squares in the curves stay finite in f64.
             let light = f64::from(c) * self.exposure;
             if light.is_nan() { 0.0 } else { light.clamp(f64::from(f32::MIN), f64::from(f32::MAX)) }
         });
-        let toned = self.tone.apply(exposed);
-        [exposed, toned, toned.map(|c| self.encoding.encode(c))]
+        [exposed, self.tone.apply(exposed)]
     }
 }
 
@@ -165,19 +170,40 @@ impl Develop {
 ///
 /// Light is divided by its alpha before it is developed; a pixel of alpha 0 is black.
 pub(crate) fn developed(image: &Image, develop: Develop) -> impl Iterator<Item = ([f64; 3], f64)> {
+    let linear = image.encoding == Encoding::Raw;
+    straight(image).map(move |(light, alpha)| {
+        let stored = light.unwrap_or([0.0; 3]).map(f64::from);
+        (if linear { light.map_or(stored, |light| develop.apply(light)) } else { stored }, alpha)
+    })
+}
+
+/// What [`developed`] gives, quantised to bytes: the same bytes in less time.
+pub(crate) fn developed_bytes(
+    image: &Image,
+    develop: Develop,
+) -> impl Iterator<Item = ([u8; 3], u8)> {
+    let linear = image.encoding == Encoding::Raw;
+    let scale = ByteScale::new(develop.encoding);
+    straight(image).map(move |(light, alpha)| {
+        let color = match light {
+            Some(stored) if !linear => stored.map(|c| quantize_8(f64::from(c))),
+            Some(light) => develop.exposed_and_toned(light)[1].map(|c| scale.byte(c)),
+            None => [0; 3],
+        };
+        (color, quantize_8(alpha))
+    })
+}
+
+/// The stored values or the light of each pixel, with straight alpha; none where linear light has no alpha to divide by.
+fn straight(image: &Image) -> impl Iterator<Item = (Option<[f32; 3]>, f64)> {
     let (linear, has_alpha) = (image.encoding == Encoding::Raw, image.has_alpha);
     image.pixels().iter().map(move |&[r, g, b, a]| {
-        let alpha = if has_alpha { f64::from(a) } else { 1.0 };
-        let color = if !linear {
-            [r, g, b].map(f64::from)
-        } else if !has_alpha {
-            develop.apply([r, g, b])
-        } else if a > 0.0 {
-            develop.apply([r / a, g / a, b / a])
-        } else {
-            [0.0; 3]
+        let color = match (linear && has_alpha, a > 0.0) {
+            (false, _) => Some([r, g, b]),
+            (true, true) => Some([r / a, g / a, b / a]),
+            (true, false) => None,
         };
-        (color, alpha)
+        (color, if has_alpha { f64::from(a) } else { 1.0 })
     })
 }
 

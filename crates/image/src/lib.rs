@@ -27,6 +27,7 @@
 #![forbid(unsafe_code)]
 
 pub mod buffer;
+mod bytes;
 pub mod compare;
 pub mod decode;
 pub mod develop;

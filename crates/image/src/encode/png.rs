@@ -3,9 +3,9 @@
 
 use super::{Depth, EncodeOptions, plain_key};
 use crate::buffer::Layers;
-use crate::develop::developed;
+use crate::develop::{developed, developed_bytes};
 use crate::error::ImageError;
-use crate::transfer::{Encoding, quantize_8, quantize_16};
+use crate::transfer::{Encoding, quantize_16};
 use png::text_metadata::ITXtChunk;
 use png::{BitDepth, ColorType, Compression, ScaledFloat, SrgbRenderingIntent};
 
@@ -36,12 +36,16 @@ pub(super) fn encode(layers: &Layers, options: &EncodeOptions) -> Result<Vec<u8>
         writer.write_text_chunk(&ITXtChunk::new(plain_key(key), text)).map_err(failed)?;
     }
     let mut data = Vec::new();
-    for (color, alpha) in developed(image, options.develop) {
-        let alpha = image.has_alpha.then_some(alpha);
-        for value in color.into_iter().chain(alpha) {
-            match options.depth {
-                Depth::Eight => data.push(quantize_8(value)),
-                Depth::Sixteen => data.extend(quantize_16(value).to_be_bytes()),
+    match options.depth {
+        Depth::Eight => {
+            for (color, alpha) in developed_bytes(image, options.develop) {
+                data.extend(color.into_iter().chain(image.has_alpha.then_some(alpha)));
+            }
+        }
+        Depth::Sixteen => {
+            for (color, alpha) in developed(image, options.develop) {
+                let values = color.into_iter().chain(image.has_alpha.then_some(alpha));
+                data.extend(values.flat_map(|value| quantize_16(value).to_be_bytes()));
             }
         }
     }
