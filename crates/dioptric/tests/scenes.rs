@@ -8,8 +8,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use dioptric::formats::{ReadOptions, read, report};
+use dioptric::geometry::Ray;
+use dioptric::math::DVec3;
 use dioptric::render::compile::{Options, compile};
 use dioptric::render::picture;
+use dioptric::render::scene::Scene;
 use dioptric::render::{Control, Region};
 use dioptric::scene::Value;
 use dioptric::scene::loader::FolderLoader;
@@ -74,6 +77,35 @@ fn every_scene_renders_without_a_complaint() {
         }
     }
     assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+/// A forest of `rows` by `rows` trees, compiled.
+fn forest(rows: &str) -> Scene {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/gallery");
+    let loader = FolderLoader::new(folder);
+    let set = vec![("rows".to_string(), rows.to_string())];
+    let options = ReadOptions { set, ..ReadOptions::default() };
+    let reading = read("forest.star", &loader, &dioptric::render::vocabulary(), &options).unwrap();
+    compile(&Arc::new(reading.description), &loader, &Options::default()).unwrap().0
+}
+
+#[test]
+fn ten_million_things_fit_into_the_memory_of_a_few_thousand() {
+    let (small, large) = (forest("10").world, forest("100").world);
+    assert_eq!((small.object_count(), small.instance_count()), (4001, 100));
+    assert_eq!((large.object_count(), large.instance_count()), (4001, 10_000));
+    let more = large.memory_bytes() - small.memory_bytes();
+    assert!(more < 10_000 * 500, "{more} bytes for ten thousand more trees");
+
+    // Rays into the depth of the forest end on trees, each in one of ten million things.
+    let ray = |i: u32| {
+        let (origin, x) = (DVec3::new(0.0, 9.0, 14.0), f64::from(i) * 0.01 - 0.5);
+        Ray::new(origin, DVec3::new(x, -0.07, -1.0))
+    };
+    let rays: Vec<Ray> = (0..100).map(ray).collect();
+    let hits = large.cast(&rays);
+    let on_trees = hits.iter().flatten().filter(|hit| hit.id.instance < 10_000).count();
+    assert!(on_trees > 95, "{on_trees}");
 }
 
 #[test]
