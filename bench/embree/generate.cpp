@@ -5,7 +5,7 @@
 //
 // writes OUT.ply with about COUNT triangles or spheres, OUT-primary.rays with SIDE x SIDE rays of a pinhole camera in
 // scanline order, and OUT-bounce.rays with one cosine-distributed ray from each of their hit points, in the same order.
-// Spheres are written as OUT.nff too. Compile without contraction of products and sums.
+// OUT.star is the scene of that camera, to be looked at. Compile without contraction of products and sums.
 
 #include <cmath>
 #include <unordered_map>
@@ -166,32 +166,46 @@ static std::vector<Ray> bounces(const Scene& scene, const std::vector<Ray>& rays
     return out;
 }
 
+struct View {
+    Double3 eye, at;
+    double half_width;
+};
+
+/// The scene as Dioptric reads it: the same shapes from the same place.
+static void write_star(const std::string& out, const std::string& kind, const View& view) {
+    const std::string name = out.substr(out.rfind('/') + 1);
+    char text[1000];
+    const auto& [eye, at, half_width] = view;
+    const int size = snprintf(
+        text, sizeof text,
+        "version(1)\nrender(size = (512, 512))\nambient(0.2)\nlight(position = (%g, %g, %g), falloff = \"none\")\n"
+        "camera(eye = (%g, %g, %g), look_at = (%g, %g, %g), fov = 2 * degrees(atan2(%g, 1)))\n%s(file = \"%s.ply\")\n",
+        eye.x, eye.y + 0.1, eye.z, eye.x, eye.y, eye.z, at.x, at.y, at.z, half_width,
+        kind == "spheres" ? "spheres" : "mesh", name.c_str());
+    write_file(out + ".star", "", text, size_t(size));
+}
+
 int main(int count, char** words) {
     if (count != 5) fail("generate closed|terrain|spheres COUNT SIDE OUT");
     const std::string kind = words[1], out = words[4];
     const size_t number = strtoul(words[2], nullptr, 10);
-    const int side = atoi(words[3]);
     Scene scene;
-    std::vector<Ray> rays;
+    View view;
     if (kind == "closed") {
         scene = closed(number);
-        rays = primary({0.1, 0.05, -0.2}, {1, 0.2, 0.4}, 1, side);
+        view = {{0.1, 0.05, -0.2}, {1, 0.2, 0.4}, 1};
     } else if (kind == "terrain") {
         scene = terrain(number);
-        rays = primary({-0.95, 0.55, -0.9}, {0, 0, 0}, 0.6, side);
+        view = {{-0.95, 0.55, -0.9}, {0, 0, 0}, 0.6};
     } else if (kind == "spheres") {
         scene = spheres(number);
-        rays = primary({1.6, 1.1, 2.4}, {0, 0, 0}, 0.4, side);
-        FILE* file = fopen((out + ".nff").c_str(), "w");
-        if (!file) fail(out + ".nff cannot be written");
-        fprintf(file, "v\nfrom 1.6 1.1 2.4\nat 0 0 0\nup 0 1 0\nangle 43.6\nhither 0\nresolution 512 512\n");
-        fprintf(file, "b 0.1 0.1 0.2\nl 3 5 4\nf 1 0.8 0.6 0.9 0 0 0 0\n");
-        for (const Sphere& s : scene.spheres) fprintf(file, "s %.9g %.9g %.9g %.9g\n", s.x, s.y, s.z, s.radius);
-        if (fclose(file) != 0) fail(out + ".nff cannot be written");
+        view = {{1.6, 1.1, 2.4}, {0, 0, 0}, 0.4};
     } else {
         fail("there is no scene " + kind + "; valid: closed, terrain, spheres");
     }
+    const auto rays = primary(view.eye, view.at, view.half_width, atoi(words[3]));
     write_ply(out + ".ply", scene);
+    write_star(out, kind, view);
     write_array(out + "-primary.rays", rays);
     write_array(out + "-bounce.rays", bounces(scene, rays));
 }
