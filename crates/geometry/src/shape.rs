@@ -92,6 +92,11 @@ pub trait Shape {
     /// The nearest hit with `t` in `[0, ray.t_max]`.
     fn intersect(&self, ray: &LocalRay) -> Option<Root>;
 
+    /// Any hit with `t` in `[0, ray.t_max)`, where that is found sooner than the nearest one.
+    fn blocks(&self, ray: &LocalRay) -> Option<Root> {
+        self.intersect(ray).filter(|root| root.t < ray.t_max)
+    }
+
     /// Appends all crossings of the whole line, `-inf < t < inf`, sorted by `t`, alternately entering
     /// and leaving; ignores `error`, `t_max` and `leaving`. Nothing for shapes that are not solid.
     fn crossings(&self, ray: &LocalRay, out: &mut Vec<Crossing>);

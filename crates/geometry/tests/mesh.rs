@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Meshes against their triangles one by one, closed meshes that must not leak, and data that is none.
 
+use dioptric_geometry::bvh::Lanes;
 use dioptric_geometry::{Crossing, Leaving, LocalRay, Mesh, MeshData, Root, Shape};
 use dioptric_math::random::Random;
 use dioptric_math::{DVec3, cos, sin};
@@ -319,4 +320,66 @@ fn normals_and_coordinates_are_interpolated() {
     let s = plain.surface(DVec3::new(1.0, 0.5, 0.0), 0);
     assert_eq!((s.normal, s.shading_normal), (DVec3::Z, DVec3::Z));
     assert_eq!(s.uv.to_array(), [0.5, 0.25]);
+}
+
+#[test]
+fn every_instruction_set_gives_the_same_bits() {
+    let mut random = Random::new(15);
+    let far = DVec3::new(1e5, -3e4, 0.0);
+    let small = |data: &mut MeshData| data.positions.iter_mut().flatten().for_each(|x| *x *= 1e-30);
+    let mut tiny = soup(500, &mut random);
+    small(&mut tiny);
+    for (data, middle, size) in [
+        (soup(3000, &mut random), DVec3::ZERO, 1.0),
+        (bumpy(80, 60, DVec3::ZERO), DVec3::ZERO, 1.0),
+        (bumpy(80, 60, far), far, 1.0),
+        (tiny, DVec3::ZERO, 1e-30),
+    ] {
+        let corners: Vec<_> =
+            data.positions.iter().map(|p| DVec3::from(p.map(f64::from))).collect();
+        let meshes = [Lanes::Plain, Lanes::Avx2, Lanes::Avx512].map(|lanes| {
+            let mut mesh = Mesh::new(data.clone());
+            mesh.use_lanes(lanes);
+            mesh
+        });
+        let mut hits = 0;
+        for i in 0..3000 {
+            let origin = middle + vector(&mut random, size * if i % 4 == 0 { 100.0 } else { 1.0 });
+            let target = corners[random.bits() as usize % corners.len()];
+            let mut ray = ray(origin, target - origin);
+            if i % 3 == 0 {
+                ray.direction = vector(&mut random, 1e-3);
+            }
+            if i % 5 == 0 {
+                ray.error = 1e-6 * size;
+            }
+            let [plain, avx2, avx512] = meshes.each_ref().map(|mesh| {
+                let any = mesh.blocks(&ray);
+                assert_eq!(any.is_some(), mesh.intersect(&ray).is_some());
+                mesh.intersect(&ray)
+            });
+            assert!(plain == avx2 && plain == avx512, "{ray:?}: {plain:?} {avx2:?} {avx512:?}");
+            hits += u32::from(plain.is_some());
+        }
+        assert!(hits > 1000);
+    }
+}
+
+#[test]
+fn any_number_of_threads_builds_the_same_mesh() {
+    let data = bumpy(150, 100, DVec3::ZERO);
+    let alone = format!("{:?}", Mesh::new(data.clone()));
+    for threads in [1, 2, 7] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let together = pool.install(|| Mesh::new(data.clone()));
+        assert!(format!("{together:?}") == alone, "{threads} threads");
+    }
+}
+
+#[test]
+fn a_triangle_takes_at_most_120_bytes() {
+    let mesh = Mesh::new(bumpy(150, 100, DVec3::ZERO));
+    let each = mesh.memory_bytes() as f64 / mesh.triangle_count() as f64;
+    println!("{each:.1} bytes a triangle");
+    assert!(each <= 120.0, "{each}");
 }

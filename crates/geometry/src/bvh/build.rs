@@ -88,9 +88,28 @@ struct Split2 {
     children: [Child; 2],
 }
 
+/// What the leaves cost.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Costs {
+    /// How many items are tested at once.
+    pub block: usize,
+    /// The cost of a split, in such tests.
+    pub visit: f64,
+}
+
+impl Costs {
+    /// Items that are tested one by one.
+    pub const SINGLE: Self = Self { block: 1, visit: VISIT_COST };
+
+    fn tests(&self, items: usize) -> f64 {
+        items.div_ceil(self.block) as f64
+    }
+}
+
 pub(super) fn build(
     boxes: impl ExactSizeIterator<Item = Bounds>,
     center: DVec3,
+    costs: Costs,
 ) -> (Bvh, Vec<u32>) {
     let mut items: Vec<Item> = boxes
         .take(Bvh::MAX_ITEMS)
@@ -103,13 +122,13 @@ pub(super) fn build(
     }
     let unused = Split2 { bounds: [Box32::EMPTY; 2], children: [Child::default(); 2] };
     let mut splits = vec![unused; items.len() - 1];
-    let root =
-        Range { items: &mut items, first: 0, splits: &mut splits, base: 0, depth: 0 }.build();
+    let root = Range { items: &mut items, first: 0, splits: &mut splits, base: 0, depth: 0, costs }
+        .build();
     bvh.extent = root.bounds.largest();
     let order = items.iter().map(|item| item.index).collect();
     drop(items);
     widen(&mut bvh, &splits, &root);
-    bvh.nodes.shrink_to_fit();
+    bvh.nodes = crate::memory::fitted(std::mem::take(&mut bvh.nodes));
     (bvh, order)
 }
 
@@ -129,6 +148,7 @@ struct Range<'a> {
     /// Where `splits` begins among all.
     base: u32,
     depth: usize,
+    costs: Costs,
 }
 
 impl Range<'_> {
@@ -148,11 +168,11 @@ impl Range<'_> {
         // Halving from here on must end within the depth that the traversal's stack allows.
         let levels_left = MAX_DEPTH - self.depth;
         let must_halve = n.ilog2() as usize + 2 >= levels_left;
-        let split = if must_halve { None } else { Split::best(self.items, &centers) };
+        let split = if must_halve { None } else { Split::best(self.items, &centers, &self.costs) };
         let middle = match split {
             Some(s) => {
-                let cost = VISIT_COST * bounds.half_area() + s.cost;
-                if n <= MAX_LEAF && cost >= n as f64 * bounds.half_area() {
+                let cost = self.costs.visit * bounds.half_area() + s.cost;
+                if n <= MAX_LEAF && cost >= self.costs.tests(n) * bounds.half_area() {
                     return leaf;
                 }
                 s.partition(self.items)
@@ -170,6 +190,7 @@ impl Range<'_> {
             splits: left_splits,
             base: self.base + 1,
             depth,
+            costs: self.costs,
         };
         let right = Range {
             items: right,
@@ -177,6 +198,7 @@ impl Range<'_> {
             splits: right_splits,
             base: self.base + middle as u32,
             depth,
+            costs: self.costs,
         };
         // Outside a pool `join` would start the global one.
         let (left, right) = if n >= PARALLEL && rayon::current_thread_index().is_some() {
@@ -216,7 +238,7 @@ struct Split {
 
 impl Split {
     /// The cheapest split between two bins on any axis; `None` where all centres are one point.
-    fn best(items: &[Item], centers: &Box32) -> Option<Self> {
+    fn best(items: &[Item], centers: &Box32, costs: &Costs) -> Option<Self> {
         let mut best: Option<Self> = None;
         for axis in 0..3 {
             let low = centers.min[axis];
@@ -239,13 +261,13 @@ impl Split {
             for bin in (1..used).rev() {
                 bounds.grow(&bins[bin].0);
                 count += bins[bin].1;
-                right[bin] = bounds.half_area() * count as f64;
+                right[bin] = bounds.half_area() * costs.tests(count);
             }
             let (mut bounds, mut count) = (Box32::EMPTY, 0);
             for bin in 1..used {
                 bounds.grow(&bins[bin - 1].0);
                 count += bins[bin - 1].1;
-                let cost = bounds.half_area() * count as f64 + right[bin];
+                let cost = bounds.half_area() * costs.tests(count) + right[bin];
                 let one_side = count == 0 || count == items.len();
                 if !one_side && best.as_ref().is_none_or(|b| cost < b.cost) {
                     best = Some(Self { binning, bin, cost });

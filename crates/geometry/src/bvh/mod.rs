@@ -10,11 +10,12 @@
 
 mod build;
 #[allow(unsafe_code)]
-mod lanes;
+pub(crate) mod lanes;
 pub mod packet;
 mod ray;
 #[allow(unsafe_code)]
-mod traverse;
+pub(crate) mod traverse;
+pub(crate) mod triangles;
 
 use std::ops::Range;
 
@@ -22,6 +23,7 @@ use dioptric_math::DVec3;
 
 use crate::bounds::Bounds;
 
+pub(crate) use build::Costs;
 pub use lanes::Lanes;
 pub use ray::BoxRay;
 pub use traverse::{Count, Counter, NoCount};
@@ -35,7 +37,7 @@ const WIDTH: usize = 8;
 /// an inverted box, which no ray enters.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
-struct Node {
+pub(crate) struct Node {
     /// `planes[2 * axis + side]`, a lane for each child; side 0 is the smaller one.
     planes: [[f32; WIDTH]; 6],
     children: [Child; WIDTH],
@@ -103,7 +105,16 @@ impl Bvh {
     /// for any number of threads.
     #[must_use]
     pub fn build(boxes: impl ExactSizeIterator<Item = Bounds>, center: DVec3) -> (Self, Vec<u32>) {
-        build::build(boxes, center)
+        build::build(boxes, center, Costs::SINGLE)
+    }
+
+    /// The same with other costs.
+    pub(crate) fn build_with(
+        boxes: impl ExactSizeIterator<Item = Bounds>,
+        center: DVec3,
+        costs: Costs,
+    ) -> (Self, Vec<u32>) {
+        build::build(boxes, center, costs)
     }
 
     /// Whether a box is finite and not empty, also in single precision about `center`.
@@ -116,6 +127,19 @@ impl Bvh {
     #[must_use]
     pub const fn center(&self) -> DVec3 {
         self.center
+    }
+
+    /// Puts other items in the leaves: `new` gets the range of each leaf's and returns the index of the first
+    /// new one (below [`Self::MAX_ITEMS`]) and their number (1 to 8).
+    pub(crate) fn map_leaves(&mut self, mut new: impl FnMut(Range<usize>) -> (usize, usize)) {
+        let children = self.nodes.iter_mut().flat_map(|node| {
+            let missing = node.planes[0].map(|low| low == f32::INFINITY);
+            node.children.iter_mut().zip(missing).filter_map(|(c, m)| (!m).then_some(c))
+        });
+        for child in children.filter(|child| child.node().is_none()) {
+            let (first, count) = new(child.items());
+            *child = Child::leaf(first, count);
+        }
     }
 
     /// Bytes on the heap.

@@ -9,7 +9,7 @@ use dioptric_math::DVec3;
 use super::Bvh;
 
 /// A ray in single precision: about the tree's centre, its direction scaled so that the largest
-/// component is 1.
+/// component is about 1.
 ///
 /// The box test is `plane * inverse - near` and `plane * inverse - far`, fused or not.
 #[derive(Clone, Copy, Debug)]
@@ -29,14 +29,14 @@ pub struct BoxRay {
 
 /// Components of the direction below this part of the largest count as this much: over the whole scene
 /// that moves a ray by less than its pad, and products with f32's coordinates stay finite.
-const SMALLEST: f64 = 1e-9;
+const SMALLEST: f32 = 1e-9;
 /// Coordinates above this are not looked at: all boxes are entered.
 const LARGEST: f64 = 1e28;
 
 impl BoxRay {
     /// A ray for this tree. All boxes count as larger by `pad` on every side: what the things in the
     /// leaves may lie outside of their boxes. The test's own errors come on top of that.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn new(origin: DVec3, direction: DVec3, bvh: &Bvh, pad: f64) -> Self {
         let scale = direction.abs().max_element();
@@ -49,31 +49,44 @@ impl BoxRay {
         let pad = pad + reach * (16.0 / f64::from(1u32 << 24)) + f64::from(f32::MIN_POSITIVE);
         // False where NaN, too. A ray without use enters all boxes.
         let usable = reach + pad < LARGEST && scale > 0.0 && scale < f64::INFINITY;
-        let smallest = (SMALLEST * scale).max(f64::MIN_POSITIVE);
-        let mut this =
-            Self { near: [0.0; 3], far: [0.0; 3], inverse: [0.0; 3], negative: [0; 3], scale };
-        for axis in 0..3 {
-            let d = direction[axis];
-            let d = if d.abs() > smallest { d } else { smallest.copysign(d) };
-            let step = pad.copysign(d);
-            let (near, far, inverse) = if usable {
-                let inverse = 1.0 / ((d / scale) as f32);
-                let moved = |by: f64| (relative[axis] + by) as f32 * inverse;
-                (moved(step), moved(-step), inverse)
-            } else {
-                (f32::MAX, f32::MIN, 1.0_f32.copysign(d as f32))
-            };
-            this.near[axis] = near;
-            this.far[axis] = far;
-            this.inverse[axis] = inverse;
-            this.negative[axis] = usize::from(d < 0.0);
+        if !usable {
+            let negative = [0, 1, 2].map(|axis| usize::from(direction[axis].is_sign_negative()));
+            let inverse = negative.map(|side| 1.0 - 2.0 * side as f32);
+            return Self { near: [f32::MAX; 3], far: [f32::MIN; 3], inverse, negative, scale };
         }
-        this
+        // Nearly always so, and a division less.
+        let (direction, scale) = if scale > 0.5 && scale < 2.0 {
+            (direction, 1.0)
+        } else {
+            // Scales below 1e-308 have no inverse, but the largest number does as well.
+            (direction * (1.0 / scale).min(f64::MAX), scale)
+        };
+        let (x, near_x, far_x) = axis(direction.x, relative.x, pad);
+        let (y, near_y, far_y) = axis(direction.y, relative.y, pad);
+        let (z, near_z, far_z) = axis(direction.z, relative.z, pad);
+        let side = |inverse: f32| (inverse.to_bits() >> 31) as usize;
+        Self {
+            near: [near_x, near_y, near_z],
+            far: [far_x, far_y, far_z],
+            inverse: [x, y, z],
+            negative: [side(x), side(y), side(z)],
+            scale,
+        }
     }
 
     /// `t_max` in the scaled direction's units, rounded up.
-    #[inline]
-    pub(super) fn limit(&self, t_max: f64) -> f32 {
+    #[inline(always)]
+    pub(crate) fn limit(&self, t_max: f64) -> f32 {
         ((t_max * self.scale) as f32).next_up().min(f32::MAX)
     }
+}
+
+/// The inverse of a component of the scaled direction, and the origin moved both ways by the pad times it.
+#[inline(always)]
+fn axis(direction: f64, origin: f64, pad: f64) -> (f32, f32, f32) {
+    let d = direction as f32;
+    let d = if d.abs() > SMALLEST { d } else { SMALLEST.copysign(d) };
+    let inverse = 1.0 / d;
+    let step = pad.copysign(direction);
+    (inverse, (origin + step) as f32 * inverse, (origin - step) as f32 * inverse)
 }

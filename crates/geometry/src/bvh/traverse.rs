@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Walking the tree, near boxes first: one walk, compiled once for each instruction set.
 
+use std::mem::MaybeUninit;
 use std::ops::Range;
 
-use super::lanes::plain::Plain;
-use super::lanes::{Lanes, Test};
+use super::lanes::{Job, Lanes, Test};
 use super::{BoxRay, Bvh, Child, MAX_DEPTH, WIDTH};
 
 /// Counts what a query costs; the empty one, [`NoCount`], compiles to nothing.
@@ -85,82 +85,71 @@ impl Bvh {
         leaf: impl FnMut(Range<usize>, f64, &mut C) -> Option<f64>,
     ) -> Option<f64> {
         let lanes = if C::COUNTS { Lanes::Plain } else { self.lanes };
-        match lanes {
-            #[cfg(target_arch = "x86_64")]
-            // SAFETY: a tree's `lanes` are never more than the processor has.
-            Lanes::Avx512 => unsafe { visit_avx512(self, ray, t_max, counter, leaf) },
-            #[cfg(target_arch = "x86_64")]
-            // SAFETY: as above.
-            Lanes::Avx2 => unsafe { visit_avx2(self, ray, t_max, counter, leaf) },
-            // SAFETY: there is no instruction set to answer for.
-            _ => unsafe { sized::<Plain, C>(self, ray, t_max, counter, leaf) },
+        // SAFETY: a tree's `lanes` are never more than the processor has.
+        unsafe { lanes.run(Visit { bvh: self, ray, t_max, counter, leaf: Each(leaf) }) }
+    }
+}
+
+/// What is done with the leaves that are found.
+pub(crate) trait Leaves<T: Test, C> {
+    /// Whether any hit will do, so that it is not worth while to sort.
+    const ANY: bool = false;
+
+    /// Where the items from `first` on are, to fetch them ahead of time; any address will do.
+    #[inline(always)]
+    fn address(&self, _first: usize) -> *const u8 {
+        std::ptr::null()
+    }
+
+    /// Gets a range of items and the present `t_max`, returns the new one or `None` to end the walk.
+    ///
+    /// # Safety
+    /// The processor has the instruction set of `T`.
+    unsafe fn visit(&mut self, items: Range<usize>, t_max: f64, counter: &mut C) -> Option<f64>;
+}
+
+/// The same function for all instruction sets.
+struct Each<F>(F);
+
+impl<T: Test, C, F: FnMut(Range<usize>, f64, &mut C) -> Option<f64>> Leaves<T, C> for Each<F> {
+    #[inline(always)]
+    unsafe fn visit(&mut self, items: Range<usize>, t_max: f64, counter: &mut C) -> Option<f64> {
+        (self.0)(items, t_max, counter)
+    }
+}
+
+/// A walk, to be run on some instruction set.
+struct Visit<'a, C, F> {
+    bvh: &'a Bvh,
+    ray: &'a BoxRay,
+    t_max: f64,
+    counter: &'a mut C,
+    leaf: Each<F>,
+}
+
+impl<C: Counter, F: FnMut(Range<usize>, f64, &mut C) -> Option<f64>> Job for Visit<'_, C, F> {
+    type Output = Option<f64>;
+
+    #[inline(always)]
+    unsafe fn run<T: Test>(mut self) -> Option<f64> {
+        // SAFETY: the caller answers for the instruction set.
+        unsafe {
+            walk_tree::<T, C, _>(self.bvh, self.ray, self.t_max, self.counter, &mut self.leaf)
         }
     }
 }
 
-/// # Safety
-/// The processor has the instruction set.
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma,avx512f,avx512vl,avx512dq")]
-fn visit_avx512<C: Counter>(
-    bvh: &Bvh,
-    ray: &BoxRay,
-    t_max: f64,
-    counter: &mut C,
-    leaf: impl FnMut(Range<usize>, f64, &mut C) -> Option<f64>,
-) -> Option<f64> {
-    // SAFETY: the features of this function.
-    unsafe { sized::<super::lanes::avx512::Avx512, C>(bvh, ray, t_max, counter, leaf) }
-}
-
-/// # Safety
-/// The processor has the instruction set.
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma")]
-fn visit_avx2<C: Counter>(
-    bvh: &Bvh,
-    ray: &BoxRay,
-    t_max: f64,
-    counter: &mut C,
-    leaf: impl FnMut(Range<usize>, f64, &mut C) -> Option<f64>,
-) -> Option<f64> {
-    // SAFETY: the features of this function.
-    unsafe { sized::<super::lanes::avx2::Avx2, C>(bvh, ray, t_max, counter, leaf) }
-}
-
-/// A small stack is faster to set up.
+/// Hands every leaf whose box the ray enters at `t <= t_max` to `leaf`, nearer boxes first.
 ///
 /// # Safety
 /// The processor has the instruction set of `T`.
 #[inline(always)]
-unsafe fn sized<T: Test, C: Counter>(
-    bvh: &Bvh,
-    ray: &BoxRay,
-    t_max: f64,
-    counter: &mut C,
-    leaf: impl FnMut(Range<usize>, f64, &mut C) -> Option<f64>,
-) -> Option<f64> {
-    // SAFETY: the caller answers for the instruction set.
-    unsafe {
-        if bvh.depth <= 4 {
-            walk::<T, { 4 * LEFT + 1 }, C>(bvh, ray, t_max, counter, leaf)
-        } else if bvh.depth <= 16 {
-            walk::<T, { 16 * LEFT + 1 }, C>(bvh, ray, t_max, counter, leaf)
-        } else {
-            walk::<T, { MAX_DEPTH * LEFT + 1 }, C>(bvh, ray, t_max, counter, leaf)
-        }
-    }
-}
-
-/// # Safety
-/// The processor has the instruction set of `T`.
-#[inline(always)]
-unsafe fn walk<T: Test, const STACK: usize, C: Counter>(
+pub(crate) unsafe fn walk_tree<T: Test, C: Counter, L: Leaves<T, C>>(
     bvh: &Bvh,
     ray: &BoxRay,
     mut t_max: f64,
     counter: &mut C,
-    mut leaf: impl FnMut(Range<usize>, f64, &mut C) -> Option<f64>,
+    leaf: &mut L,
 ) -> Option<f64> {
     if bvh.nodes.is_empty() {
         return Some(t_max);
@@ -168,8 +157,7 @@ unsafe fn walk<T: Test, const STACK: usize, C: Counter>(
     // SAFETY: the caller answers for the instruction set.
     let spread = unsafe { T::spread(ray) };
     let mut limit = ray.limit(t_max);
-    let mut stack = [Task(0); STACK];
-    let mut top = 0;
+    let mut stack = Stack::new();
     let mut at = Child::inner(0);
     loop {
         if let Some(index) = at.node() {
@@ -179,7 +167,13 @@ unsafe fn walk<T: Test, const STACK: usize, C: Counter>(
             let (near, mut entered) = unsafe { T::enter(node, &spread, limit) };
             let task = |entered: u32| {
                 let lane = entered.trailing_zeros() as usize % WIDTH;
-                Task::new(node.children[lane], near[lane])
+                let child = node.children[lane];
+                let address = match child.node() {
+                    Some(index) => bvh.nodes.as_ptr().wrapping_add(index).cast(),
+                    None => leaf.address(child.items().start),
+                };
+                fetch(address);
+                Task::new(child, near[lane])
             };
             if entered != 0 {
                 let first = task(entered);
@@ -192,44 +186,99 @@ unsafe fn walk<T: Test, const STACK: usize, C: Counter>(
                 entered &= entered - 1;
                 let (mut nearer, mut farther) = (first.min(second), first.max(second));
                 if entered == 0 {
-                    stack[top] = farther;
-                    top += 1;
+                    stack.push(farther);
                     at = nearer.child();
                     continue;
                 }
-                // Three and more: sorted into the stack, the nearest on top.
-                let bottom = top;
-                stack[top] = farther;
-                top += 1;
+                // Three and more: sorted into the stack, the nearest on top; the nearest of all is next.
+                let bottom = stack.top;
+                stack.push(farther);
                 while entered != 0 {
                     let next = task(entered);
                     entered &= entered - 1;
                     (nearer, farther) = (nearer.min(next), nearer.max(next));
-                    let mut slot = top;
-                    while slot > bottom && stack[slot - 1] < farther {
-                        stack[slot] = stack[slot - 1];
-                        slot -= 1;
+                    if L::ANY {
+                        stack.push(farther);
+                    } else {
+                        stack.insert(bottom, farther);
                     }
-                    stack[slot] = farther;
-                    top += 1;
                 }
                 at = nearer.child();
                 continue;
             }
         } else {
-            t_max = leaf(at.items(), t_max, counter)?;
+            // SAFETY: as above.
+            t_max = unsafe { leaf.visit(at.items(), t_max, counter) }?;
             limit = ray.limit(t_max);
         }
         loop {
-            if top == 0 {
-                return Some(t_max);
-            }
-            top -= 1;
+            let Some(task) = stack.pop() else { return Some(t_max) };
             // Not `<`: another hit at the same t may have a lower id.
-            if stack[top].near() <= limit {
-                at = stack[top].child();
+            if task.near() <= limit {
+                at = task.child();
                 break;
             }
         }
     }
+}
+
+/// Room for what the longest way leaves behind. It is not cleared, which would take as long as some walks.
+struct Stack {
+    tasks: [MaybeUninit<Task>; MAX_DEPTH * LEFT],
+    /// The tasks below are set.
+    top: usize,
+}
+
+impl Stack {
+    #[inline(always)]
+    const fn new() -> Self {
+        Self { tasks: [const { MaybeUninit::uninit() }; MAX_DEPTH * LEFT], top: 0 }
+    }
+
+    /// Sets one more.
+    #[inline(always)]
+    fn push(&mut self, task: Task) {
+        self.tasks[self.top] = MaybeUninit::new(task);
+        self.top += 1;
+    }
+
+    /// Adds one to those above `bottom`, which are sorted, the nearest on top.
+    #[inline(always)]
+    fn insert(&mut self, bottom: usize, task: Task) {
+        let mut slot = self.top;
+        self.push(task);
+        while slot > bottom {
+            let below = self.tasks[slot - 1];
+            // SAFETY: the tasks below `top` are set.
+            if unsafe { below.assume_init() } >= task {
+                break;
+            }
+            self.tasks[slot] = below;
+            slot -= 1;
+        }
+        self.tasks[slot] = MaybeUninit::new(task);
+    }
+
+    #[inline(always)]
+    fn pop(&mut self) -> Option<Task> {
+        self.top = self.top.checked_sub(1)?;
+        // SAFETY: the tasks below the former `top` are set.
+        Some(unsafe { self.tasks[self.top].assume_init() })
+    }
+}
+
+/// Asks for the four cache lines from an address on.
+#[inline(always)]
+fn fetch(address: *const u8) {
+    #[cfg(target_arch = "x86_64")]
+    for line in 0..4 {
+        // SAFETY: fetching ahead touches no memory as the language has it, and any address will do.
+        unsafe {
+            std::arch::x86_64::_mm_prefetch::<{ std::arch::x86_64::_MM_HINT_T0 }>(
+                address.wrapping_add(64 * line).cast(),
+            );
+        }
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = address;
 }

@@ -1,79 +1,101 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Casting rays at a mesh.
 
+use std::ops::Range;
+
 use dioptric_math::DVec3;
 
-use super::Mesh;
-use super::line::{Corners, Line, nearest};
+use super::line::{Corners, Line, exact, nearest, normal};
+use super::{LARGE, Mesh};
+use crate::bvh::lanes::{Job, Test};
+use crate::bvh::traverse::{Leaves, walk_tree};
+use crate::bvh::triangles::{Aim, SIDE_BY_SIDE};
 use crate::bvh::{BoxRay, NoCount};
 use crate::ray::{Leaving, LocalRay};
 use crate::shape::{Crossing, Root};
 
 /// Beyond this many times the error of a ray's origin nothing touches it.
 const CONTACT_REACH: f64 = 1e6;
+/// How many times the error counts as near a point that is left: generously, for next to an edge the way through
+/// the inside is as short as the error is.
+const NEAR: f64 = 8.0;
 
 impl Mesh {
     /// What hits may lie outside of the boxes, and rays beside what they mean.
-    fn pad(&self, ray: &LocalRay) -> f64 {
-        let largest = ray.origin.abs().max_element();
-        ray.error + 4.0 * self.error + dioptric_math::bounds::gamma(64) * largest
+    #[inline(always)]
+    fn pad(&self, origin: DVec3, error: f64) -> f64 {
+        let largest = origin.abs().max_element();
+        error + 4.0 * self.error + dioptric_math::bounds::gamma(64) * largest
     }
 
     /// The nearest hit; of several at the same `t` that of the lowest triangle.
+    #[inline]
     pub(super) fn closest(&self, ray: &LocalRay) -> Option<Root> {
-        let mut best: Option<Root> = None;
-        let line = Line::new(ray.origin, ray.direction);
-        let box_ray = BoxRay::new(ray.origin, ray.direction, &self.bvh, self.pad(ray));
-        self.bvh.visit(&box_ray, ray.t_max, &mut NoCount, |range, mut t_max, _| {
-            for &part in self.order.get(range).unwrap_or_default() {
-                let Some(corners) = self.corners(part) else { continue };
-                let Some(t) = self.meet(ray, &line, part, &corners) else { continue };
-                if t < t_max || (t == t_max && best.is_none_or(|b| part < b.part || t < b.t)) {
-                    best = Some(Root { t, part });
-                    t_max = t;
-                }
-            }
-            Some(t_max)
-        });
-        best
+        // SAFETY: a tree's instruction set is one that the processor has.
+        unsafe { self.bvh.lanes().run(Cast::<false> { mesh: self, ray }) }
+    }
+
+    /// Any hit before `t_max`.
+    #[inline]
+    pub(super) fn any(&self, ray: &LocalRay) -> Option<Root> {
+        // SAFETY: as above.
+        unsafe { self.bvh.lanes().run(Cast::<true> { mesh: self, ray }) }
+    }
+
+    /// The line as the filter of triangles wants it.
+    #[inline(always)]
+    fn aim(&self, line: &Line, error: f64) -> Aim {
+        let near = NEAR * (error + self.error);
+        let forward = line.per_depth > 0.0;
+        Aim::new(&line.origin, line.axes, line.slope, forward, (self.largest, self.edge, near))
     }
 
     /// Where the ray hits one triangle, if it does, as [`crate::Shape`] has the rules; `t_max` is not looked at.
-    #[inline]
+    /// The corners are turned as the line has them.
+    #[inline(always)]
     fn meet(&self, ray: &LocalRay, line: &Line, part: u32, corners: &Corners) -> Option<f64> {
-        let passage = line.pass(corners);
+        let seen = line.see(corners);
+        let passage = line.pass(corners, &seen);
         let Some(leaving) = ray.leaving else {
-            return match passage {
-                Some(passage) if passage.t > 0.0 => Some(passage.t),
-                _ => self.starts_on(ray, part, corners).then_some(0.0),
-            };
+            if let Some(passage) = passage
+                && passage.t > 0.0
+            {
+                return Some(passage.t);
+            }
+            // Cheap and nearly always so: it is elsewhere.
+            let bound = ray.error + self.error;
+            let [i, j, k] = [seen[0][2], seen[1][2], seen[2][2]];
+            let here = i.min(j).min(k) <= bound && i.max(j).max(k) >= -bound;
+            return (here && self.starts_on(ray, part)).then_some(0.0);
         };
         if part == leaving.part {
             return None;
         }
         if let Some(passage) = passage {
             // The common case: well ahead.
-            let rate = passage.normal.dot(ray.direction).abs();
-            if passage.t * rate > (ray.error + self.error) * passage.normal.length() {
+            let [x, y, z] = passage.normal;
+            let height = passage.t * line.rate(&passage.normal).abs();
+            let bound = ray.error + self.error;
+            if passage.t > 0.0 && height * height > bound * bound * (x * x + y * y + z * z) {
                 return Some(passage.t);
             }
         }
-        self.meet_near(ray, leaving, part, corners, passage.map(|p| p.t))
+        self.meet_near(ray, leaving, part, passage.map(|p| p.t))
     }
 
     /// A triangle that is met about where the ray leaves another one of this mesh: a neighbour that
     /// rises from the left one's side blocks the way at once, or edges would leak; one that falls away
     /// from it cannot be met there, whatever rounding says.
+    #[inline(never)]
     fn meet_near(
         &self,
         ray: &LocalRay,
         leaving: Leaving,
         part: u32,
-        corners: &Corners,
         t: Option<f64>,
     ) -> Option<f64> {
-        // Generously: next to an edge the way through the inside is as short as the error is.
-        let bound = 8.0 * (ray.error + self.error);
+        let corners = &self.corners(part)?;
+        let bound = NEAR * (ray.error + self.error);
         let way = t.map(|t| t * ray.direction.abs().max_element());
         if way.is_some_and(|way| way > CONTACT_REACH * bound) {
             return t;
@@ -89,17 +111,23 @@ impl Mesh {
     }
 
     /// Whether a ray starts on a triangle, on it or behind it within the errors.
-    fn starts_on(&self, ray: &LocalRay, part: u32, corners: &Corners) -> bool {
+    #[inline(never)]
+    fn starts_on(&self, ray: &LocalRay, part: u32) -> bool {
+        let Some(corners) = &self.corners(part) else { return false };
         let bound = ray.error + self.error;
-        // Cheap and nearly always so: it is elsewhere.
-        if !is_near(ray.origin, corners, bound) || !ray.direction.is_finite() {
+        let (normal, offset) = (normal(corners), ray.origin - exact(corners[0]));
+        let height = normal.dot(offset);
+        if height.abs() > 2.0 * bound * normal.length()
+            || !is_near(ray.origin, corners, bound)
+            || !ray.direction.is_finite()
+        {
             return false;
         }
         let unit = self.outward(part, corners);
-        let height = (ray.origin - DVec3::from(corners[0].map(f64::from))).dot(unit);
-        let rate = ray.direction.dot(unit);
+        let (height, rate) = (offset.dot(unit), ray.direction.dot(unit));
         let behind = rate != 0.0 && !(-height / rate > 0.0);
-        behind && height.abs() <= bound && ray.starts_at(nearest(ray.origin, corners), self.error)
+        let bounded = behind && height.abs() <= bound;
+        bounded && ray.starts_at(nearest(ray.origin, corners), self.error)
     }
 
     /// All passages of the line, alternately in and out.
@@ -112,13 +140,17 @@ impl Mesh {
         let start = out.len();
         // The two halves of the line; where they meet the sort below tells which hits are the same.
         for way in [direction, -direction] {
-            let box_ray = BoxRay::new(origin, way, &self.bvh, self.pad(ray));
+            let box_ray = BoxRay::new(origin, way, &self.bvh, self.pad(ray.origin, ray.error));
             self.bvh.visit(&box_ray, f64::INFINITY, &mut NoCount, |range, t_max, _| {
-                for &part in self.order.get(range).unwrap_or_default() {
-                    let Some(corners) = self.corners(part) else { continue };
-                    let Some(passage) = line.pass_once(&corners) else { continue };
-                    let falls = passage.normal.dot(direction) < 0.0;
-                    out.push(Crossing { t: passage.t, part, enters: falls != self.inverted });
+                let first = range.start & (LARGE - 1);
+                for packet in self.packets.get(first..first + range.len()).unwrap_or_default() {
+                    for lane in lanes_of(packet.all()) {
+                        let part = packet.parts[lane];
+                        let corners = packet.get(lane, [0, 1, 2]);
+                        let Some(passage) = line.pass_once(&corners) else { continue };
+                        let falls = line.rate(&passage.normal) < 0.0;
+                        out.push(Crossing { t: passage.t, part, enters: falls != self.inverted });
+                    }
                 }
                 Some(t_max)
             });
@@ -144,7 +176,119 @@ impl Mesh {
 /// Whether a point is in the box around a triangle, or as near to it as `bound`.
 #[inline]
 fn is_near(point: DVec3, corners: &Corners, bound: f64) -> bool {
-    let [a, b, c] = corners.map(|corner| DVec3::from(corner.map(f64::from)) - point);
+    let (a, b, c) =
+        (exact(corners[0]) - point, exact(corners[1]) - point, exact(corners[2]) - point);
     let (low, high) = (a.min(b).min(c), a.max(b).max(c));
     low.max_element() <= bound && high.min_element() >= -bound
+}
+
+/// The numbers of the bits that are set.
+#[inline(always)]
+fn lanes_of(mut bits: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = bits.trailing_zeros() as usize % SIDE_BY_SIDE;
+        (bits != 0).then(|| {
+            bits &= bits - 1;
+            lane
+        })
+    })
+}
+
+/// A ray and a mesh, to be run on some instruction set.
+struct Cast<'a, const ANY: bool> {
+    mesh: &'a Mesh,
+    ray: &'a LocalRay,
+}
+
+impl<const ANY: bool> Job for Cast<'_, ANY> {
+    type Output = Option<Root>;
+
+    #[inline(always)]
+    unsafe fn run<T: Test>(self) -> Option<Root> {
+        let Self { mesh, ray } = self;
+        let (origin, direction) = (apart(&ray.origin), apart(&ray.direction));
+        // First what is needed first.
+        let box_ray = BoxRay::new(origin, direction, &mesh.bvh, mesh.pad(origin, ray.error));
+        let line = Line::new(origin, direction);
+        let aim = mesh.aim(&line, ray.error);
+        // SAFETY: the caller answers for the instruction set.
+        unsafe {
+            let aimed = T::aim(&aim);
+            let mut hits = Hits::<T, ANY> { mesh, ray, line, aim, aimed, best: None };
+            walk_tree::<T, _, _>(&mesh.bvh, &box_ray, ray.t_max, &mut NoCount, &mut hits);
+            hits.best
+        }
+    }
+}
+
+/// What has been found so far.
+struct Hits<'a, T: Test, const ANY: bool> {
+    mesh: &'a Mesh,
+    ray: &'a LocalRay,
+    line: Line,
+    aim: Aim,
+    aimed: T::Aimed,
+    best: Option<Root>,
+}
+
+impl<T: Test, const ANY: bool> Leaves<T, NoCount> for Hits<'_, T, ANY> {
+    const ANY: bool = ANY;
+
+    #[inline(always)]
+    fn address(&self, first: usize) -> *const u8 {
+        self.mesh.packets.as_ptr().wrapping_add(first & (LARGE - 1)).cast()
+    }
+
+    #[inline(always)]
+    unsafe fn visit(
+        &mut self,
+        items: Range<usize>,
+        mut t_max: f64,
+        _: &mut NoCount,
+    ) -> Option<f64> {
+        let margin = if items.start & LARGE == 0 { self.aim.margin } else { f32::INFINITY };
+        let first = items.start & (LARGE - 1);
+        for packet in self.mesh.packets.get(first..first + items.len()).unwrap_or_default() {
+            let depths = self.aim.depths(self.line.depth(t_max));
+            let kept = if self.aim.usable {
+                // SAFETY: the caller answers for the instruction set.
+                unsafe { T::triangles(packet, &self.aimed, margin, depths) }
+            } else {
+                packet.all()
+            };
+            for lane in lanes_of(kept) {
+                let part = packet.parts[lane];
+                let corners = packet.get(lane, self.line.axes);
+                let Some(t) = self.mesh.meet(self.ray, &self.line, part, &corners) else {
+                    continue;
+                };
+                if ANY {
+                    if t < t_max {
+                        self.best = Some(Root { t, part });
+                        return None;
+                    }
+                } else if t < t_max
+                    || (t == t_max && self.best.is_none_or(|b| t < b.t || part < b.part))
+                {
+                    self.best = Some(Root { t, part });
+                    t_max = t;
+                }
+            }
+        }
+        Some(t_max)
+    }
+}
+
+/// A vector, its numbers read one by one. It was written so a moment ago, and a processor that is made to read
+/// them together must wait until they are in the cache.
+#[inline(always)]
+fn apart(v: &DVec3) -> DVec3 {
+    // SAFETY: they are references.
+    unsafe {
+        DVec3::new(
+            std::ptr::read_volatile(&v.x),
+            std::ptr::read_volatile(&v.y),
+            std::ptr::read_volatile(&v.z),
+        )
+    }
 }

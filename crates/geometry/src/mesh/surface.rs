@@ -5,7 +5,7 @@ use dioptric_math::bounds::gamma;
 use dioptric_math::{DVec2, DVec3, normalize, orthonormal_basis};
 
 use super::Mesh;
-use super::line::{Corners, normal};
+use super::line::{Corners, exact, normal};
 use crate::shape::{LocalSurface, SurfacePoint};
 use crate::shapes::triangle::barycentric;
 
@@ -45,7 +45,7 @@ impl Mesh {
     pub(super) fn point_at(&self, point: DVec3, part: u32) -> SurfacePoint {
         let corners = self.corners(part).unwrap_or_default();
         let normal = self.outward(part, &corners);
-        let weights = barycentric(exact(&corners), normal, point);
+        let weights = barycentric(corners.map(exact), normal, point);
         self.point_with(&corners, normal, weights, part)
     }
 
@@ -56,7 +56,7 @@ impl Mesh {
         weights: [f64; 3],
         part: u32,
     ) -> SurfacePoint {
-        let [a, b, c] = exact(corners);
+        let [a, b, c] = corners.map(exact);
         let (e, f) = (b - a, c - a);
         let blend = |n: [DVec3; 3]| n[0] * weights[0] + n[1] * weights[1] + n[2] * weights[2];
         // On the side of the geometric normal, as the surface's reader expects.
@@ -76,7 +76,7 @@ impl Mesh {
     pub(super) fn surface_at(&self, point: DVec3, part: u32) -> LocalSurface {
         let corners = self.corners(part).unwrap_or_default();
         let geometric = self.outward(part, &corners);
-        let [a, b, c] = exact(&corners);
+        let [a, b, c] = corners.map(exact);
         let weights = barycentric([a, b, c], geometric, point);
         let (e, f) = (b - a, c - a);
         let [uv_a, uv_b, uv_c] = self.uvs_of(part).unwrap_or([DVec2::ZERO, DVec2::X, DVec2::Y]);
@@ -94,8 +94,4 @@ impl Mesh {
         let uv = uv_a + (g * weights[1] + h * weights[2]);
         LocalSurface { point, error, normal, shading_normal, uv, dpdu, dpdv }
     }
-}
-
-fn exact(corners: &Corners) -> [DVec3; 3] {
-    corners.map(|corner| DVec3::from(corner.map(f64::from)))
 }

@@ -108,11 +108,22 @@ macro_rules! registry {
             }
 
             /// See [`Shape::intersect`].
+            #[inline]
             #[must_use]
             pub fn intersect(&self, ray: &LocalRay) -> Option<Root> {
                 match self {
                     $(Self::$variant(s) => s.intersect(ray),)*
                     $(Self::$bulk(s) => s.intersect(ray),)*
+                }
+            }
+
+            /// See [`Shape::blocks`].
+            #[inline]
+            #[must_use]
+            pub fn blocks(&self, ray: &LocalRay) -> Option<Root> {
+                match self {
+                    $(Self::$variant(s) => s.blocks(ray),)*
+                    $(Self::$bulk(s) => s.blocks(ray),)*
                 }
             }
 
@@ -194,8 +205,14 @@ macro_rules! pointer {
                 (**self).is_convex()
             }
 
+            #[inline]
             fn intersect(&self, ray: &LocalRay) -> Option<Root> {
                 (**self).intersect(ray)
+            }
+
+            #[inline]
+            fn blocks(&self, ray: &LocalRay) -> Option<Root> {
+                (**self).blocks(ray)
             }
 
             fn crossings(&self, ray: &LocalRay, out: &mut Vec<Crossing>) {

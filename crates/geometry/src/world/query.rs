@@ -56,6 +56,13 @@ impl World {
         contacts: Contacts,
         counter: &mut C,
     ) -> Option<Hit> {
+        if let Some(object) = self.single() {
+            counter.shapes(1);
+            let local = single_ray(object, ray, t_max, departure)?;
+            let root = meet(HitId::NO_INSTANCE, object, &local, contacts)?;
+            let id = HitId { instance: HitId::NO_INSTANCE, object: object.id, part: root.part };
+            return (root.t <= t_max).then_some(Hit { t: root.t, id });
+        }
         let mut best: Option<Hit> = None;
         self.visit(ray, t_max, departure, counter, |instance, object, local| {
             Some(improve(&mut best, instance, object, local, t_max, contacts))
@@ -161,9 +168,16 @@ impl World {
         contacts: Contacts,
         counter: &mut C,
     ) -> Option<HitId> {
+        if let Some(object) = self.single() {
+            counter.shapes(1);
+            let local = single_ray(object, ray, t_max, departure)?;
+            let root = block(HitId::NO_INSTANCE, object, &local, contacts)?;
+            let id = HitId { instance: HitId::NO_INSTANCE, object: object.id, part: root.part };
+            return (root.t < t_max).then_some(id);
+        }
         let mut found = None;
         self.visit(ray, t_max, departure, counter, |instance, object, local| {
-            let root = meet(instance, object, local, contacts).filter(|root| root.t < t_max);
+            let root = block(instance, object, local, contacts).filter(|root| root.t < t_max);
             found = root.map(|root| HitId { instance, object: object.id, part: root.part });
             found.is_none().then_some(local.t_max)
         });
@@ -264,6 +278,21 @@ impl World {
         })
     }
 
+    /// The object of a world that has only one, and no transforms: a mesh.
+    #[inline]
+    fn single(&self) -> Option<&Object> {
+        match self.objects.as_slice() {
+            [object]
+                if self.transforms.is_empty()
+                    && self.instances.is_empty()
+                    && self.levels.len() == 1 =>
+            {
+                Some(object)
+            }
+            _ => None,
+        }
+    }
+
     /// Calls `test` with every object that the ray may hit at `t <= t_max`: its instance, itself and
     /// the ray in its space. `test` returns the new `t_max`, or `None` to end the walk.
     fn visit<C: Counter>(
@@ -355,6 +384,13 @@ impl World {
         for object in rest.iter().take(level.unbounded) {
             t_max = visit_object(object, t_max, counter)?;
         }
+        // A tree over one or two tells no more than they do themselves.
+        if let [_] | [_, _] = bounded {
+            for object in bounded {
+                t_max = visit_object(object, t_max, counter)?;
+            }
+            return Some(t_max);
+        }
         let box_ray = level.box_ray(ray.origin, ray.direction, ray.error);
         level.bvh.visit(&box_ray, t_max, counter, |range, mut t_max, counter| {
             for object in bounded.get(range).unwrap_or_default() {
@@ -385,6 +421,17 @@ fn improve(
     local.t_max
 }
 
+/// Any root of an object before `t_max`, judged as by [`meet`].
+#[inline]
+fn block(instance: u32, object: &Object, ray: &LocalRay, contacts: Contacts) -> Option<Root> {
+    let root = object.shape.blocks(ray)?;
+    let far = root.t * ray.direction.abs().max_element() > CONTACT_REACH * ray.error;
+    if contacts == Contacts::CROSSED || far || ray.leaving.is_some() {
+        return Some(root);
+    }
+    meet(instance, object, ray, contacts)
+}
+
 /// The nearest root of an object. A surface that touches the point which the ray leaves and is not to be
 /// crossed is left as that point's own surface is.
 #[inline]
@@ -410,7 +457,23 @@ pub(super) fn meet(
     object.shape.intersect(&LocalRay { leaving, ..*ray })
 }
 
+/// The ray as the only object sees it.
+#[inline]
+fn single_ray(
+    object: &Object,
+    ray: &Ray,
+    t_max: f64,
+    departure: Option<&Departure>,
+) -> Option<LocalRay> {
+    let mut local = scene_ray(ray, t_max)?;
+    local.leaving = departure
+        .filter(|d| d.from.instance == HitId::NO_INSTANCE && d.from.object == object.id)
+        .map(leaving);
+    Some(local)
+}
+
 /// The ray as a local one; `None` unless it is finite and goes somewhere.
+#[inline]
 pub(super) fn scene_ray(ray: &Ray, t_max: f64) -> Option<LocalRay> {
     let usable = ray.origin.is_finite()
         && ray.direction.is_finite()

@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Eight boxes with AVX2 and FMA.
+//! Eight boxes or triangles with AVX2 and FMA.
 
 use std::arch::x86_64::{
-    __m256, _CMP_LE_OQ, _mm256_cmp_ps, _mm256_fmsub_ps, _mm256_load_ps, _mm256_max_ps,
-    _mm256_min_ps, _mm256_movemask_ps, _mm256_set1_ps, _mm256_setzero_ps, _mm256_storeu_ps,
+    __m256, _CMP_GE_OQ, _CMP_LE_OQ, _mm256_and_ps, _mm256_cmp_ps, _mm256_fmsub_ps,
+    _mm256_fnmadd_ps, _mm256_load_ps, _mm256_max_ps, _mm256_min_ps, _mm256_movemask_ps,
+    _mm256_mul_ps, _mm256_or_ps, _mm256_set1_ps, _mm256_setzero_ps, _mm256_storeu_ps,
+    _mm256_sub_ps,
 };
 
-use super::{BoxRay, Entries, Node, Test, WIDTH};
+use super::{Aim, BoxRay, Entries, Node, Packet, Test, WIDTH};
 
-pub(in super::super) struct Avx2;
+pub(crate) struct Avx2;
 
 /// A ray, a register for each number.
 #[derive(Clone, Copy)]
-pub(in super::super) struct Spread {
+pub(crate) struct Spread {
     near: [__m256; 3],
     far: [__m256; 3],
     inverse: [__m256; 3],
@@ -81,6 +83,96 @@ impl Test for Avx2 {
             let mut entries = [0.0; WIDTH];
             _mm256_storeu_ps(entries.as_mut_ptr(), near);
             (entries, entered as u32)
+        }
+    }
+
+    type Aimed = Aimed;
+
+    #[inline(always)]
+    unsafe fn aim(aim: &Aim) -> Aimed {
+        // SAFETY: the caller answers for the instruction set.
+        unsafe { spread_aim(aim) }
+    }
+
+    #[inline(always)]
+    unsafe fn triangles(packet: &Packet, aim: &Aimed, margin: f32, depths: [f32; 2]) -> u32 {
+        // SAFETY: the caller answers for the instruction set.
+        unsafe {
+            let Seen { least, most, low, high } = see(packet, aim);
+            let positive = _mm256_cmp_ps::<_CMP_GE_OQ>(least, _mm256_set1_ps(-margin));
+            let negative = _mm256_cmp_ps::<_CMP_LE_OQ>(most, _mm256_set1_ps(margin));
+            let starts = _mm256_cmp_ps::<_CMP_LE_OQ>(low, _mm256_set1_ps(depths[0]));
+            let ends = _mm256_cmp_ps::<_CMP_GE_OQ>(high, _mm256_set1_ps(depths[1]));
+            let within = _mm256_or_ps(positive, negative);
+            _mm256_movemask_ps(_mm256_and_ps(within, _mm256_and_ps(starts, ends))) as u32
+        }
+    }
+}
+
+/// A line among triangles, a register for each number.
+#[derive(Clone, Copy)]
+pub(crate) struct Aimed {
+    origin: [__m256; 3],
+    slope: [__m256; 2],
+    axes: [usize; 3],
+}
+
+/// The least and the greatest of the edge functions, and of the depths of the corners.
+pub(super) struct Seen {
+    pub least: __m256,
+    pub most: __m256,
+    pub low: __m256,
+    pub high: __m256,
+}
+
+/// # Safety
+/// The processor has AVX2 and FMA.
+#[inline(always)]
+pub(super) unsafe fn spread_aim(aim: &Aim) -> Aimed {
+    // SAFETY: the caller answers for the instruction set.
+    unsafe {
+        Aimed {
+            origin: [
+                _mm256_set1_ps(aim.origin[0]),
+                _mm256_set1_ps(aim.origin[1]),
+                _mm256_set1_ps(aim.origin[2]),
+            ],
+            slope: [_mm256_set1_ps(aim.slope[0]), _mm256_set1_ps(aim.slope[1])],
+            axes: aim.axes,
+        }
+    }
+}
+
+/// # Safety
+/// The processor has AVX2 and FMA.
+#[inline(always)]
+pub(super) unsafe fn see(packet: &Packet, aim: &Aimed) -> Seen {
+    let corner = |corner: usize| {
+        // SAFETY: there are three corners, and `axes` are 0, 1 and 2 in some order; packets are aligned to 64 bytes and a row of
+        // numbers has 32. The caller answers for the instruction set.
+        unsafe {
+            let offset = |i: usize| {
+                let row = packet.corners.get_unchecked(corner).get_unchecked(aim.axes[i]);
+                _mm256_sub_ps(_mm256_load_ps(row.as_ptr()), aim.origin[i])
+            };
+            let depth = offset(2);
+            let x = _mm256_fnmadd_ps(aim.slope[0], depth, offset(0));
+            let y = _mm256_fnmadd_ps(aim.slope[1], depth, offset(1));
+            (x, y, depth)
+        }
+    };
+    let (a, b, c) = (corner(0), corner(1), corner(2));
+    // SAFETY: the caller answers for the instruction set.
+    unsafe {
+        let edge = |p: (__m256, __m256, __m256), q: (__m256, __m256, __m256)| {
+            _mm256_fmsub_ps(p.0, q.1, _mm256_mul_ps(p.1, q.0))
+        };
+        let (u, v, w) = (edge(c, b), edge(a, c), edge(b, a));
+        Seen {
+            least: _mm256_min_ps(_mm256_min_ps(u, v), w),
+            most: _mm256_max_ps(_mm256_max_ps(u, v), w),
+            low: _mm256_min_ps(_mm256_min_ps(a.2, b.2), c.2),
+            high: _mm256_max_ps(_mm256_max_ps(a.2, b.2), c.2),
         }
     }
 }

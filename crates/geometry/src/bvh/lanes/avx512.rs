@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Eight boxes with AVX-512: masks in registers of their own, and more room for the ray.
+//! Eight boxes or triangles with AVX-512: masks in registers of their own, and more room for the ray.
 
 use std::arch::x86_64::{
-    _CMP_LE_OQ, _mm256_cmp_ps_mask, _mm256_min_ps, _mm256_set1_ps, _mm256_storeu_ps,
+    _CMP_GE_OQ, _CMP_LE_OQ, _mm256_cmp_ps_mask, _mm256_mask_cmp_ps_mask, _mm256_min_ps,
+    _mm256_set1_ps, _mm256_storeu_ps,
 };
 
-use super::avx2::{self, Spread};
-use super::{BoxRay, Entries, Node, Test, WIDTH};
+use super::avx2::{self, Aimed, Seen, Spread};
+use super::{Aim, BoxRay, Entries, Node, Packet, Test, WIDTH};
 
-pub(in super::super) struct Avx512;
+pub(crate) struct Avx512;
 
 impl Test for Avx512 {
     type Spread = Spread;
@@ -29,6 +30,30 @@ impl Test for Avx512 {
             let mut entries = [0.0; WIDTH];
             _mm256_storeu_ps(entries.as_mut_ptr(), near);
             (entries, u32::from(entered))
+        }
+    }
+
+    type Aimed = Aimed;
+
+    #[inline(always)]
+    unsafe fn aim(aim: &Aim) -> Aimed {
+        // SAFETY: the caller answers for the instruction set, which contains AVX2 and FMA.
+        unsafe { avx2::spread_aim(aim) }
+    }
+
+    #[inline(always)]
+    unsafe fn triangles(packet: &Packet, aim: &Aimed, margin: f32, depths: [f32; 2]) -> u32 {
+        // SAFETY: as above.
+        unsafe {
+            let Seen { least, most, low, high } = avx2::see(packet, aim);
+            let positive = _mm256_cmp_ps_mask::<_CMP_GE_OQ>(least, _mm256_set1_ps(-margin));
+            let negative = _mm256_cmp_ps_mask::<_CMP_LE_OQ>(most, _mm256_set1_ps(margin));
+            let within = positive | negative;
+            let starts =
+                _mm256_mask_cmp_ps_mask::<_CMP_LE_OQ>(within, low, _mm256_set1_ps(depths[0]));
+            let kept =
+                _mm256_mask_cmp_ps_mask::<_CMP_GE_OQ>(starts, high, _mm256_set1_ps(depths[1]));
+            u32::from(kept)
         }
     }
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Tests of eight boxes at once, one way for each instruction set. They only reject (invariant 2), so
-//! no bit of a hit depends on which is used.
+//! Tests of eight boxes or eight triangles at once, one way for each instruction set. They only reject
+//! (invariant 2), so no bit of a hit depends on which is used.
 
 #[cfg(target_arch = "x86_64")]
 pub(super) mod avx2;
@@ -8,6 +8,7 @@ pub(super) mod avx2;
 pub(super) mod avx512;
 pub(super) mod plain;
 
+use super::triangles::{Aim, Packet};
 use super::{BoxRay, Node, WIDTH};
 
 /// Instruction sets that the queries know, worst first.
@@ -16,7 +17,7 @@ pub enum Lanes {
     /// What the program was compiled for.
     #[default]
     Plain,
-    /// AVX2 and FMA.
+    /// AVX2, FMA and the bit manipulations that came with them.
     Avx2,
     /// AVX-512 (F, VL and DQ).
     Avx512,
@@ -28,7 +29,11 @@ impl Lanes {
     pub fn best() -> Self {
         #[cfg(target_arch = "x86_64")]
         {
-            let avx2 = is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma");
+            let avx2 = is_x86_feature_detected!("avx2")
+                && is_x86_feature_detected!("fma")
+                && is_x86_feature_detected!("bmi1")
+                && is_x86_feature_detected!("bmi2")
+                && is_x86_feature_detected!("lzcnt");
             let avx512 = is_x86_feature_detected!("avx512f")
                 && is_x86_feature_detected!("avx512vl")
                 && is_x86_feature_detected!("avx512dq");
@@ -49,11 +54,57 @@ impl Lanes {
     }
 }
 
+/// What is to be run on some instruction set.
+pub(crate) trait Job {
+    /// What comes of it.
+    type Output;
+
+    /// Runs it; `#[inline(always)]`, so that it is compiled for the instruction set.
+    ///
+    /// # Safety
+    /// The processor has the instruction set of `T`.
+    unsafe fn run<T: Test>(self) -> Self::Output;
+}
+
+impl Lanes {
+    /// Runs a job on this instruction set.
+    ///
+    /// # Safety
+    /// The processor has it.
+    #[inline(always)]
+    pub(crate) unsafe fn run<J: Job>(self, job: J) -> J::Output {
+        match self {
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: the caller answers for the instruction set.
+            Self::Avx512 => unsafe { run_avx512(job) },
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: as above.
+            Self::Avx2 => unsafe { run_avx2(job) },
+            // SAFETY: there is no instruction set to answer for.
+            _ => unsafe { job.run::<plain::Plain>() },
+        }
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,avx512f,avx512vl,avx512dq")]
+fn run_avx512<J: Job>(job: J) -> J::Output {
+    // SAFETY: the features of this function.
+    unsafe { job.run::<avx512::Avx512>() }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+fn run_avx2<J: Job>(job: J) -> J::Output {
+    // SAFETY: the features of this function.
+    unsafe { job.run::<avx2::Avx2>() }
+}
+
 /// Where a ray enters each of a node's boxes, at least 0; only meant where the mask says so.
-pub(super) type Entries = [f32; WIDTH];
+pub(crate) type Entries = [f32; WIDTH];
 
 /// The test of a node's boxes on one instruction set.
-pub(super) trait Test {
+pub(crate) trait Test {
     /// The ray, spread over the lanes.
     type Spread: Copy;
 
@@ -68,4 +119,19 @@ pub(super) trait Test {
     /// # Safety
     /// The processor has the instruction set.
     unsafe fn enter(node: &Node, ray: &Self::Spread, limit: f32) -> (Entries, u32);
+
+    /// A line among triangles, spread over the lanes.
+    type Aimed: Copy;
+
+    /// Spreads a line.
+    ///
+    /// # Safety
+    /// The processor has the instruction set.
+    unsafe fn aim(aim: &Aim) -> Self::Aimed;
+
+    /// A bit for each triangle that the line may pass, with depths within those of `depths`.
+    ///
+    /// # Safety
+    /// The processor has the instruction set.
+    unsafe fn triangles(packet: &Packet, aim: &Self::Aimed, margin: f32, depths: [f32; 2]) -> u32;
 }

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Eight boxes with what the program was compiled for: loops that compilers turn into SSE2 or NEON.
+//! Eight boxes or triangles with what the program was compiled for: loops that compilers turn into SSE2 or NEON.
 
-use super::{BoxRay, Entries, Node, Test, WIDTH};
+use super::{Aim, BoxRay, Entries, Node, Packet, Test, WIDTH};
+use crate::bvh::triangles::SIDE_BY_SIDE;
 
-pub(in super::super) struct Plain;
+pub(crate) struct Plain;
 
 impl Test for Plain {
     type Spread = BoxRay;
@@ -33,5 +34,40 @@ impl Test for Plain {
             entered |= u32::from(near[lane] <= far[lane]) << lane;
         }
         (near, entered)
+    }
+
+    type Aimed = Aim;
+
+    #[inline(always)]
+    unsafe fn aim(aim: &Aim) -> Aim {
+        *aim
+    }
+
+    #[inline(always)]
+    unsafe fn triangles(packet: &Packet, aim: &Aim, margin: f32, depths: [f32; 2]) -> u32 {
+        let [x, y, z] = aim.axes;
+        let mut seen = [[[0.0_f32; SIDE_BY_SIDE]; 3]; 3];
+        for (seen, corner) in seen.iter_mut().zip(&packet.corners) {
+            for lane in 0..SIDE_BY_SIDE {
+                let depth = corner[z][lane] - aim.origin[2];
+                seen[0][lane] = corner[x][lane] - aim.origin[0] - aim.slope[0] * depth;
+                seen[1][lane] = corner[y][lane] - aim.origin[1] - aim.slope[1] * depth;
+                seen[2][lane] = depth;
+            }
+        }
+        let [a, b, c] = &seen;
+        let mut kept = 0;
+        for lane in 0..SIDE_BY_SIDE {
+            let u = c[0][lane] * b[1][lane] - c[1][lane] * b[0][lane];
+            let v = a[0][lane] * c[1][lane] - a[1][lane] * c[0][lane];
+            let w = b[0][lane] * a[1][lane] - b[1][lane] * a[0][lane];
+            let within = (u >= -margin && v >= -margin && w >= -margin)
+                || (u <= margin && v <= margin && w <= margin);
+            let [i, j, k] = [a[2][lane], b[2][lane], c[2][lane]];
+            let starts = i <= depths[0] || j <= depths[0] || k <= depths[0];
+            let ends = i >= depths[1] || j >= depths[1] || k >= depths[1];
+            kept |= u32::from(within && starts && ends) << lane;
+        }
+        kept
     }
 }

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Eight triangles side by side, and the line that filters them.
+//!
+//! The filter is the sheared edge test of Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection",
+//! JCGT 2(1), 2013, in single precision with a margin. It rejects only what the exact test rejects:
+//!
+//! Let u = 2^-24, R bound the coordinates of corners and origin together, b the distance from the exact origin
+//! within which the caller wants all triangles, and E the shears of a triangle's edges. Corners are exact.
+//! A corner's offset from the rounded origin is off by 2uR, the rounded slope (at most 1) by u, so that a
+//! sheared coordinate is off by at most 2uR + 2uR + uR + uR + 2uR, and the line itself by 2b:
+//! e = 8uR + 2b. The coordinates of a triangle that is passed are at most E + e =: M; each of an edge function's
+//! two products is off by 2Me + e^2, and their roundings add 6uM^2 where uM <= e. Together that is less
+//! than 12eM.
+
+/// Triangles of a packet.
+pub(crate) const SIDE_BY_SIDE: usize = 8;
+
+/// Eight triangles or fewer; the corners of those that are missing are NaN.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub(crate) struct Packet {
+    /// Corner, axis, triangle.
+    pub corners: [[[f32; SIDE_BY_SIDE]; 3]; 3],
+    /// The triangles' numbers; `u32::MAX` where missing.
+    pub parts: [u32; SIDE_BY_SIDE],
+}
+
+impl Packet {
+    /// No triangle.
+    pub const EMPTY: Self =
+        Self { corners: [[[f32::NAN; SIDE_BY_SIDE]; 3]; 3], parts: [u32::MAX; SIDE_BY_SIDE] };
+
+    /// Puts a triangle into a lane.
+    pub fn set(&mut self, lane: usize, corners: &[[f32; 3]; 3], part: u32) {
+        for (corner, from) in self.corners.iter_mut().zip(corners) {
+            for (axis, x) in corner.iter_mut().zip(from) {
+                axis[lane] = *x;
+            }
+        }
+        self.parts[lane] = part;
+    }
+
+    /// The corners of a lane's triangle, their coordinates in some order.
+    #[inline(always)]
+    pub fn get(&self, lane: usize, [x, y, z]: [usize; 3]) -> [[f32; 3]; 3] {
+        // Written out: `map` on arrays is a call.
+        let [a, b, c] = &self.corners;
+        [
+            [a[x][lane], a[y][lane], a[z][lane]],
+            [b[x][lane], b[y][lane], b[z][lane]],
+            [c[x][lane], c[y][lane], c[z][lane]],
+        ]
+    }
+
+    /// A bit for each triangle.
+    pub fn all(&self) -> u32 {
+        (0..SIDE_BY_SIDE).fold(0, |all, i| all | u32::from(self.parts[i] != u32::MAX) << i)
+    }
+}
+
+/// A line among triangles in single precision.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Aim {
+    /// The origin, in the order of `axes`.
+    pub origin: [f32; 3],
+    /// The axes in cyclic order; the direction is longest along the last one.
+    pub axes: [usize; 3],
+    /// How far the line moves along the first two axes for each step along the last.
+    pub slope: [f32; 2],
+    /// Whether the direction is positive along the last axis.
+    pub forward: bool,
+    /// What an edge function may be off by, for triangles that are not large.
+    pub margin: f32,
+    /// What a depth may be off by.
+    pub slack: f32,
+    /// Whether single precision is any use; else all triangles must be asked.
+    pub usable: bool,
+}
+
+impl Aim {
+    /// The line through `origin` (in the order of `axes`) with slopes as [`Self::slope`] has
+    /// them. `largest` bounds the coordinates of all corners and `edge` those of all edges of triangles that are
+    /// not large; `near` is as b above.
+    #[inline(always)]
+    pub fn new(
+        origin: &[f64; 3],
+        axes: [usize; 3],
+        slope: [f64; 2],
+        forward: bool,
+        (largest, edge, near): (f64, f64, f64),
+    ) -> Self {
+        let away = origin[0].abs().max(origin[1].abs()).max(origin[2].abs());
+        let reach = largest + away;
+        let error = 8.0 / f64::from(1u32 << 24) * reach + 2.0 * near;
+        let margin = 12.0 * error * (2.0 * edge + error) + f64::from(f32::MIN_POSITIVE);
+        Self {
+            origin: [origin[0] as f32, origin[1] as f32, origin[2] as f32],
+            axes,
+            slope: [slope[0] as f32, slope[1] as f32],
+            forward,
+            // Rounded up, with room for its own roundings.
+            margin: (margin * (1.0 + 1e-6)) as f32,
+            slack: ((error + f64::from(f32::MIN_POSITIVE)) * (1.0 + 1e-6)) as f32,
+            usable: reach + error < 1e18,
+        }
+    }
+
+    /// The depths between which triangles lie that matter, as `low <= depths[0]` and `high >= depths[1]`; `limit`
+    /// is the largest distance along the last axis.
+    #[inline(always)]
+    pub fn depths(&self, limit: f32) -> [f32; 2] {
+        // The sum's rounding is far below the slack's own margin.
+        let end = limit + (self.slack + limit * 1e-6);
+        if self.forward { [end, -self.slack] } else { [self.slack, -end] }
+    }
+}
