@@ -4,6 +4,8 @@
 use dioptric_scene::validate::{self, MAX_NESTING};
 use dioptric_scene::{Description, Diagnostic, Node, NodeId, StackId, Value};
 
+use crate::options::ReadOptions;
+
 /// Errors after which reading stops.
 const MAX_ERRORS: usize = 20;
 /// Places of calls that a message shows besides its own.
@@ -92,15 +94,21 @@ impl Build {
     }
 
     /// Finds the roots, chooses the camera and checks the scene as a whole.
-    pub(crate) fn finish(&mut self, camera: Option<&str>) {
+    pub(crate) fn finish(&mut self, options: &ReadOptions) {
         let uses = &self.uses;
         self.entered.retain(|id| !uses.get(id.0 as usize).is_some_and(|u| u.consumed));
         self.description.roots = std::mem::take(&mut self.entered);
         if !self.diagnostics.is_empty() {
             return;
         }
-        match validate::choose_camera(&mut self.description, camera) {
-            Ok(()) => self.diagnostics.extend(validate::validate(&self.description)),
+        match validate::choose_camera(&mut self.description, options.camera.as_deref()) {
+            Ok(()) => {
+                let mut found = validate::validate(&self.description);
+                if options.shapes_alone {
+                    found.retain(|d| !["no-camera", "no-light"].contains(&d.code));
+                }
+                self.diagnostics.extend(found);
+            }
             Err(error) => self.diagnostics.push(error),
         }
     }

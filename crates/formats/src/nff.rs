@@ -54,7 +54,7 @@ pub(crate) fn read(
         reader.build.record(*error);
     }
     let mut build = reader.build;
-    if reader.view.is_none() && build.diagnostics.is_empty() {
+    if reader.view.is_none() && !options.shapes_alone && build.diagnostics.is_empty() {
         build.diagnostics.push(
             Diagnostic::error("no-camera", format!("{path} has no viewpoint")).help(
                 "add the lines: v, from 0 0 5, at 0 0 0, up 0 1 0, angle 45, hither 1, resolution 512 512",
@@ -65,7 +65,7 @@ pub(crate) fn read(
         let message = format!("--set {name}: an NFF scene has no parameters");
         build.diagnostics.push(Diagnostic::error("unknown-parameter", message));
     }
-    build.finish(options.camera.as_deref());
+    build.finish(options);
     conclude(build, Vec::new(), Vec::new())
 }
 

@@ -16,6 +16,8 @@ pub struct ReadOptions {
     pub frame: i32,
     /// Where reading stops.
     pub limits: Limits,
+    /// Whether the scene is read for its shapes alone, so that it needs neither camera nor light.
+    pub shapes_alone: bool,
 }
 
 /// Where reading a scene stops with an error instead of going on.

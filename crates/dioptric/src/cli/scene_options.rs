@@ -84,6 +84,18 @@ impl SceneOptions {
     /// # Errors
     /// The file is not there, or the scene is wrong.
     pub fn read(&self, terminal: &Terminal) -> Result<ReadScene, Failure> {
+        self.read_for(terminal, false)
+    }
+
+    /// Reads a scene of which only the shapes count: it needs no camera.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn read_shapes(&self, terminal: &Terminal) -> Result<ReadScene, Failure> {
+        self.read_for(terminal, true)
+    }
+
+    fn read_for(&self, terminal: &Terminal, shapes_alone: bool) -> Result<ReadScene, Failure> {
         let limits = self.limits();
         let (loader, prefix) = self.loader(&limits)?;
         let options = ReadOptions {
@@ -92,6 +104,7 @@ impl SceneOptions {
             time: self.time.unwrap_or(f64::from(self.frame) / self.fps),
             frame: self.frame,
             limits,
+            shapes_alone,
         };
         let name = loader.name.clone();
         let shown = |sources: &Sources| self.renamed(sources, &prefix, &name);

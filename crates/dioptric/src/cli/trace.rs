@@ -9,11 +9,14 @@ use std::time::Instant;
 use dioptric::geometry::mesh::Mesh;
 use dioptric::geometry::pool::Spheres;
 use dioptric::geometry::shapes::sphere::Sphere;
-use dioptric::geometry::world::{Hit, World, WorldBuilder, each};
-use dioptric::geometry::{AnyShape, Ray};
+use dioptric::geometry::world::{Hit, Query, World, WorldBuilder, each};
+use dioptric::geometry::{AnyShape, Contacts, HitId, Ray};
 use dioptric::math::{DAffine3, DVec3};
 use dioptric::meshes::{Format, Limits, Model};
-use dioptric::render::compile;
+use dioptric::render::{compile, vocabulary};
+use dioptric::scene::args::make_node;
+use dioptric::scene::{Category, Description, NodeId};
+use rayon::prelude::*;
 
 use super::failure::Failure;
 use super::output::Output;
@@ -47,6 +50,9 @@ pub struct TraceArgs {
     /// Writes what was hit, too: object, primitive, uv and normal.
     #[arg(long)]
     full: bool,
+    /// Casts rays in packets, which is faster where neighbours go the same way among many objects.
+    #[arg(long)]
+    batch: bool,
     /// Threads that work; the hits are the same for any number.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
@@ -81,12 +87,10 @@ pub fn run(args: &TraceArgs, terminal: &Terminal) -> Result<(), Failure> {
     let mut rates = Vec::new();
     for _ in 0..args.repeat {
         let started = Instant::now();
-        pool.install(|| {
-            if args.any {
-                each(rays, &mut answers, |ray| any(&world, &parse(ray)));
-            } else {
-                each(rays, &mut answers, |ray| distance(&world, &parse(ray)));
-            }
+        pool.install(|| match (args.batch, args.any) {
+            (true, is_any) => batches(&world, rays, &mut answers, is_any),
+            (false, true) => each(rays, &mut answers, |ray| any(&world, &parse(ray))),
+            (false, false) => each(rays, &mut answers, |ray| distance(&world, &parse(ray))),
         });
         let seconds = started.elapsed().as_secs_f64();
         rates.push(rays.len() as f64 / seconds.max(1e-9) / 1e6);
@@ -130,7 +134,7 @@ impl Source {
     fn read(options: &SceneOptions, terminal: &Terminal) -> Result<Self, Failure> {
         let name = &options.scene;
         if Format::of_name(name).is_none() {
-            return options.read(terminal).map(Box::new).map(Self::Scene);
+            return options.read_shapes(terminal).map(Box::new).map(Self::Scene);
         }
         let mut file = File::open(Path::new(name)).map_err(|e| Failure::input(name, &e))?;
         let limits = Limits { bytes: options.max_memory().unwrap_or(Limits::default().bytes) };
@@ -145,7 +149,17 @@ impl Source {
             Self::Model(model) => return Ok(model_world(model)),
             Self::Scene(read) => read,
         };
-        let description = Arc::new(read.reading.description);
+        let mut description = read.reading.description;
+        let has_camera =
+            |d: &Description, id: &NodeId| d.node(*id).schema.category == Category::Camera;
+        if !description.roots.iter().any(|id| has_camera(&description, id))
+            && let Some(schema) = vocabulary().get("camera")
+            && let Some(camera) = make_node(schema, &[])
+        {
+            let camera = description.push(camera);
+            description.roots.push(camera);
+        }
+        let description = Arc::new(description);
         let wanted = compile::Options {
             camera: options.camera().map(Into::into),
             max_objects: options.max_objects(),
@@ -202,11 +216,44 @@ fn closest(world: &World, ray: &Ray) -> Option<Hit> {
 
 /// The distance to the nearest hit in the scene's units.
 fn distance(world: &World, ray: &Ray) -> f32 {
-    closest(world, ray).map_or(f32::INFINITY, |hit| (hit.t * ray.direction.length()) as f32)
+    far(ray, closest(world, ray))
+}
+
+/// How far a hit is from the ray's origin.
+fn far(ray: &Ray, hit: Option<Hit>) -> f32 {
+    hit.map_or(f32::INFINITY, |hit| (hit.t * ray.direction.length()) as f32)
 }
 
 fn any(world: &World, ray: &Ray) -> f32 {
     if world.occluded(ray, f64::INFINITY, None) { 1.0 } else { 0.0 }
+}
+
+/// Rays that go through the world together.
+const BATCH: usize = 128;
+
+/// The answers of [`distance`] or [`any`], found for neighbours at once.
+fn batches(world: &World, rays: &[[u8; RAY_BYTES]], answers: &mut [f32], is_any: bool) {
+    rays.par_chunks(BATCH).zip(answers.par_chunks_mut(BATCH)).for_each(|(rays, answers)| {
+        let query = |ray: &[u8; RAY_BYTES]| Query {
+            ray: parse(ray),
+            t_max: f64::INFINITY,
+            departure: None,
+            contacts: Contacts::CROSSED,
+        };
+        let queries: Vec<Query> = rays.iter().map(query).collect();
+        if is_any {
+            let mut blockers = Vec::with_capacity(rays.len());
+            world.blocker_each(&queries, &mut blockers);
+            let one = |b: Option<HitId>| if b.is_some() { 1.0 } else { 0.0 };
+            answers.iter_mut().zip(blockers).for_each(|(a, b)| *a = one(b));
+        } else {
+            let mut hits = Vec::with_capacity(rays.len());
+            world.closest_each(&queries, &mut hits);
+            for ((answer, hit), query) in answers.iter_mut().zip(hits).zip(&queries) {
+                *answer = far(&query.ray, hit);
+            }
+        }
+    });
 }
 
 /// Bytes that `--full` writes for a ray.
@@ -223,7 +270,7 @@ fn record(world: &World, ray: &Ray) -> [u8; RECORD_BYTES] {
                 *word = id.to_le_bytes();
             }
             let (uv, n) = (surface.uv, surface.normal);
-            ((hit.t * ray.direction.length()) as f32, [uv.x, uv.y, n.x, n.y, n.z])
+            (far(ray, Some(hit)), [uv.x, uv.y, n.x, n.y, n.z])
         }
     };
     words[0] = distance.to_le_bytes();

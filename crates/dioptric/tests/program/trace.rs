@@ -32,8 +32,7 @@ pub fn trace_mesh(folder: &Folder, mesh: &MeshData, rays: &[FileRay], more: &[&s
     floats(&folder.bytes("hits.bin"))
 }
 
-const SCENE: &str = "camera(eye = (0, 0, 9)); light(position = (5, 5, 5))\n\
-    sphere(center = (0, 0, 0), radius = 1)\n\
+const SCENE: &str = "sphere(center = (0, 0, 0), radius = 1)\n\
     pair = group([sphere(center = (0, 4, 0), radius = 1), box(min = (-1, 7, -1), max = (1, 9, 1))])\n\
     group([pair]); group([pair], transform = translate((10, 0, 0)))\n";
 
@@ -75,6 +74,13 @@ fn distances_hits_and_records() {
 
     good(&["trace", &scene, &rays, "-o", &hits, "--any"]);
     assert_eq!(floats(&folder.bytes("hits.bin")), [1.0, 0.0, 1.0, 0.0]);
+
+    for options in [&["--batch"][..], &["--batch", "--threads", "1"]] {
+        good(&[&["trace", &scene, &rays, "-o", &hits], options].concat());
+        assert_eq!(floats(&folder.bytes("hits.bin")), [4.0, inf, 4.0, inf]);
+        good(&[&["trace", &scene, &rays, "-o", &hits, "--any"], options].concat());
+        assert_eq!(floats(&folder.bytes("hits.bin")), [1.0, 0.0, 1.0, 0.0]);
+    }
 
     good(&["trace", &scene, &rays, "-o", &hits, "--full"]);
     let bytes = folder.bytes("hits.bin");

@@ -43,7 +43,7 @@ pub(crate) fn read(
         let message = format!("--set {name}: a JSON scene has no parameters");
         build.diagnostics.push(Diagnostic::error("unknown-parameter", message));
     }
-    build.finish(options.camera.as_deref());
+    build.finish(options);
     conclude(build, Vec::new(), Vec::new())
 }
 

@@ -56,7 +56,7 @@ pub(super) fn read_scene(
     if build.diagnostics.is_empty() {
         build.diagnostics.extend(unknown_settings(options, &params));
     }
-    build.finish(options.camera.as_deref());
+    build.finish(options);
     conclude(build, params, printed)
 }
 
