@@ -5,9 +5,9 @@ use dioptric_math::bounds::gamma;
 use dioptric_math::{DVec2, DVec3, normalize};
 use dioptric_scene::{Args, Category, Default, Diagnostic, Param, Schema, Type, Value};
 
-use super::convex::{plane_root, root};
+use super::convex::root;
 use super::frame::around;
-use super::outline::{Cells, Halves, Outline, Room};
+use super::outline::{Cells, Facet, Halves, Outline, Room, Spread};
 use crate::bounds::Bounds;
 use crate::ray::LocalRay;
 use crate::shape::{Crossing, Described, LocalSurface, Root, Shape, SurfacePoint};
@@ -20,17 +20,14 @@ const OFF_PLACE: f64 = 1e-6;
 /// The outline and its holes, all in one plane.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polygon {
-    filter: Filter,
+    /// Around the mean of the outline's corners.
+    facet: Facet<Filter>,
     outline: Outline,
-    /// The mean of the outline's corners, and the plane's normal.
-    center: DVec3,
-    normal: DVec3,
     /// A box around all corners, with room for rounding.
     bounds: Bounds,
     /// Smallest corner and extent in the directions of u and v, from `center`.
     uv_min: DVec2,
     uv_size: DVec2,
-    error: f64,
     /// How far corners lie off the plane.
     off: f64,
 }
@@ -38,12 +35,12 @@ pub struct Polygon {
 /// What can tell without looking at the edges whether a point is inside.
 #[derive(Clone, Debug, PartialEq)]
 enum Filter {
-    /// For quadrangles.
-    Four(Room, Halves<1>),
+    /// For triangles and quadrangles.
+    Four(Halves<1>),
     /// For other small convex ones.
-    Eight(Box<(Room, Halves<2>)>),
+    Eight(Box<Halves<2>>),
     /// For all others.
-    Cells(Box<(Room, Cells)>),
+    Cells(Box<Cells>),
     /// For tiny and vast ones, and those where rounding says more than the numbers.
     None,
 }
@@ -135,17 +132,10 @@ impl Polygon {
         let bounds =
             Bounds { min: tight.min - (error + 2.0 * off), max: tight.max + (error + 2.0 * off) };
         let outline = Outline::new(&loops);
-        Ok(Self {
-            filter: Filter::new(&outline, center, normal),
-            outline,
-            center,
-            normal,
-            bounds,
-            uv_min: low,
-            uv_size: high - low,
-            error,
-            off,
-        })
+        let (room, filter) =
+            Filter::new(&outline, center, normal).unwrap_or((Room::NONE, Filter::None));
+        let facet = Facet { point: center, normal, error, room, filter };
+        Ok(Self { facet, outline, bounds, uv_min: low, uv_size: high - low, off })
     }
 
     /// The exact test of a ray that passes the plane.
@@ -153,8 +143,8 @@ impl Polygon {
         // Most rays pass the plane far from the outline. Along the plane where they do so is little known (see
         // module `outline`), but a hit is next to the polygon in any case. NaN is a miss.
         let p = ray.at(t);
-        let reach = ray.origin.abs().max_element() + p.abs().max_element() + self.error;
-        let slant = ray.direction.abs().element_sum() / ray.direction.dot(self.normal).abs();
+        let reach = ray.origin.abs().max_element() + p.abs().max_element() + self.facet.error;
+        let slant = ray.direction.abs().element_sum() / ray.direction.dot(self.facet.normal).abs();
         let size = self.bounds.size().max_element();
         let room =
             ray.error + ((self.off + gamma(256) * reach) * slant).min(size) + gamma(4) * reach;
@@ -162,27 +152,25 @@ impl Polygon {
             return false;
         }
         // A ray that starts on the plane must start on the polygon.
-        let direction = if t > 0.0 { ray.direction } else { self.normal };
+        let direction = if t > 0.0 { ray.direction } else { self.facet.normal };
         self.outline.is_passed(ray.origin, direction)
     }
 }
 
 impl Filter {
-    fn new(outline: &Outline, center: DVec3, normal: DVec3) -> Self {
+    fn new(outline: &Outline, center: DVec3, normal: DVec3) -> Option<(Room, Self)> {
         let relative: Vec<DVec3> = outline.corners().iter().map(|&p| p - center).collect();
-        let Some(mut room) = Room::new(&relative, normal) else { return Self::None };
+        let spread = Spread::of(&relative, normal)?;
         if outline.is_simple() {
-            if let Some(halves) = Halves::new(&relative, normal, &mut room) {
-                return Self::Four(room, halves);
+            if let Some((room, halves)) = Halves::new(&relative, normal, spread) {
+                return Some((room, Self::Four(halves)));
             }
-            if let Some(halves) = Halves::new(&relative, normal, &mut room) {
-                return Self::Eight(Box::new((room, halves)));
+            if let Some((room, halves)) = Halves::new(&relative, normal, spread) {
+                return Some((room, Self::Eight(Box::new(halves))));
             }
         }
-        match Cells::new(outline, center, around(normal), &mut room) {
-            Some(cells) => Self::Cells(Box::new((room, cells))),
-            None => Self::None,
-        }
+        let (room, cells) = Cells::new(outline, center, around(normal), spread)?;
+        Some((room, Self::Cells(Box::new(cells))))
     }
 }
 
@@ -248,35 +236,28 @@ impl Shape for Polygon {
         if ray.leaving.is_some() {
             return None;
         }
-        let offset = ray.origin - self.center;
-        let rate = ray.direction.dot(self.normal);
-        let t = plane_root(ray, offset.dot(self.normal), rate, self.error)?;
-        let p = offset + ray.direction * t;
-        let clear = |room: &Room| t > 0.0 && room.is_enough(offset, ray.direction, t, rate);
-        let known = match &self.filter {
-            Filter::Four(room, halves) if clear(room) => halves.encloses(p),
-            Filter::Eight(with) if clear(&with.0) => with.1.encloses(p),
-            Filter::Cells(with) if clear(&with.0) => {
-                Some(with.1.encloses(p).unwrap_or_else(|near| {
-                    with.1.is_passed(near, &self.outline, ray.origin, ray.direction)
-                }))
-            }
-            _ => None,
-        };
+        let (t, known) = self.facet.pass(ray, |filter, p| match filter {
+            Filter::Four(halves) => halves.encloses(p),
+            Filter::Eight(halves) => halves.encloses(p),
+            Filter::Cells(cells) => Some(cells.encloses(p).unwrap_or_else(|near| {
+                cells.is_passed(near, &self.outline, ray.origin, ray.direction)
+            })),
+            Filter::None => None,
+        })?;
         if known.unwrap_or_else(|| self.is_met(ray, t)) { root(ray, t, 0) } else { None }
     }
 
     fn crossings(&self, _ray: &LocalRay, _out: &mut Vec<Crossing>) {}
 
     fn surface(&self, point: DVec3, _part: u32) -> LocalSurface {
-        let normal = self.normal;
-        let offset = point - self.center;
+        let normal = self.facet.normal;
+        let offset = point - self.facet.point;
         let offset = offset - normal * offset.dot(normal);
         let (x, z) = around(normal);
         let uv = (DVec2::new(offset.dot(x), -offset.dot(z)) - self.uv_min) / self.uv_size;
         LocalSurface {
-            point: self.center + offset,
-            error: self.error,
+            point: self.facet.point + offset,
+            error: self.facet.error,
             normal,
             shading_normal: normal,
             uv: uv.clamp(DVec2::ZERO, DVec2::ONE),
@@ -286,12 +267,12 @@ impl Shape for Polygon {
     }
 
     fn surface_point(&self, point: DVec3, _part: u32) -> SurfacePoint {
-        let normal = self.normal;
-        let offset = point - self.center;
+        let normal = self.facet.normal;
+        let offset = point - self.facet.point;
         let offset = offset - normal * offset.dot(normal);
         SurfacePoint {
-            point: self.center + offset,
-            error: self.error,
+            point: self.facet.point + offset,
+            error: self.facet.error,
             normal,
             shading_normal: normal,
         }

@@ -5,7 +5,8 @@ use dioptric_math::bounds::gamma;
 use dioptric_math::{DVec2, DVec3, normalize, orthonormal_basis};
 use dioptric_scene::{Args, Category, Default, Diagnostic, Param, Schema, Type, Value};
 
-use super::convex::{plane_root, root};
+use super::convex::root;
+use super::outline::{Facet, Halves, Room, Spread};
 use super::sheared::{Shear, area, triangle_normal};
 use crate::bounds::Bounds;
 use crate::ray::LocalRay;
@@ -14,12 +15,10 @@ use crate::shape::{Crossing, Described, LocalSurface, Root, Shape, SurfacePoint}
 /// A flat triangle, hit from both sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Triangle {
+    facet: Facet<Halves<1>>,
     corners: [DVec3; 3],
-    normal: DVec3,
     normals: Option<[DVec3; 3]>,
     uvs: [DVec2; 3],
-    /// Bounds the rounding of heights over the plane.
-    error: f64,
 }
 
 /// The surface coordinates where none are given.
@@ -63,15 +62,20 @@ impl Triangle {
         let (normal, sine) = triangle_normal(a, b, c)?;
         let scale = Bounds::of(corners.map(DVec3::abs)).max.max_element();
         let error = gamma(16) * scale / sine;
-        Some(Self { corners, normal, normals: None, uvs: UVS, error })
+        let relative = corners.map(|p| p - a);
+        let filter =
+            Spread::of(&relative, normal).and_then(|spread| Halves::new(&relative, normal, spread));
+        let (room, filter) = filter.unwrap_or((Room::NONE, Halves::NONE));
+        let facet = Facet { point: a, normal, error, room, filter };
+        Some(Self { facet, corners, normals: None, uvs: UVS })
     }
 
     /// The same triangle, shaded with the interpolation of these normals (of any length but 0).
     #[must_use]
     pub fn with_normals(mut self, normals: [DVec3; 3]) -> Self {
-        let normals = normals.map(|n| normalize(n).unwrap_or(self.normal));
-        if normals.iter().sum::<DVec3>().dot(self.normal) < 0.0 {
-            self.normal = -self.normal;
+        let normals = normals.map(|n| normalize(n).unwrap_or(self.facet.normal));
+        if normals.iter().sum::<DVec3>().dot(self.facet.normal) < 0.0 {
+            self.facet.normal = -self.facet.normal;
         }
         self.normals = Some(normals);
         self
@@ -103,8 +107,11 @@ impl Triangle {
         SurfacePoint {
             point: a + (e * weights[1] + f * weights[2]),
             error: gamma(8) * (a.abs() + e.abs() + f.abs()).max_element(),
-            normal: self.normal,
-            shading_normal: self.normals.and_then(|n| normalize(blend(n))).unwrap_or(self.normal),
+            normal: self.facet.normal,
+            shading_normal: self
+                .normals
+                .and_then(|n| normalize(blend(n)))
+                .unwrap_or(self.facet.normal),
         }
     }
 }
@@ -153,17 +160,19 @@ impl Shape for Triangle {
         if ray.leaving.is_some() {
             return None;
         }
-        let height = (ray.origin - self.corners[0]).dot(self.normal);
-        let t = plane_root(ray, height, ray.direction.dot(self.normal), self.error)?;
+        let (t, known) = self.facet.pass(ray, Halves::encloses)?;
         // A ray that starts on the plane must start on the triangle.
-        let direction = if t > 0.0 { ray.direction } else { self.normal };
-        if self.is_passed(ray.origin, direction) { root(ray, t, 0) } else { None }
+        let is_passed = || {
+            let direction = if t > 0.0 { ray.direction } else { self.facet.normal };
+            self.is_passed(ray.origin, direction)
+        };
+        if known.unwrap_or_else(is_passed) { root(ray, t, 0) } else { None }
     }
 
     fn crossings(&self, _ray: &LocalRay, _out: &mut Vec<Crossing>) {}
 
     fn surface(&self, point: DVec3, _part: u32) -> LocalSurface {
-        let weights = barycentric(self.corners, self.normal, point);
+        let weights = barycentric(self.corners, self.facet.normal, point);
         let [a, b, c] = self.corners;
         let (e, f) = (b - a, c - a);
         let [uv_a, uv_b, uv_c] = self.uvs;
@@ -174,7 +183,7 @@ impl Shape for Triangle {
         let (dpdu, dpdv) = if dpdu.is_finite() && dpdv.is_finite() {
             (dpdu, dpdv)
         } else {
-            orthonormal_basis(self.normal)
+            orthonormal_basis(self.facet.normal)
         };
         let SurfacePoint { point, error, normal, shading_normal } = self.at(weights);
         LocalSurface {
@@ -189,7 +198,7 @@ impl Shape for Triangle {
     }
 
     fn surface_point(&self, point: DVec3, _part: u32) -> SurfacePoint {
-        self.at(barycentric(self.corners, self.normal, point))
+        self.at(barycentric(self.corners, self.facet.normal, point))
     }
 }
 
@@ -218,4 +227,53 @@ fn three<T>(
         args.error(name, "wrong-count", format!("{name} of the triangle: expected 3, got {count}"))
             .help("give one for each of a, b and c, or leave it out")
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use dioptric_math::pow;
+    use dioptric_math::random::Random;
+
+    use super::super::convex::plane_root;
+    use super::super::outline::testing::{direction, trouble};
+    use super::*;
+
+    /// The test without the filter.
+    fn plainly(triangle: &Triangle, ray: &LocalRay) -> Option<Root> {
+        let Facet { point, normal, error, .. } = triangle.facet;
+        let height = (ray.origin - point).dot(normal);
+        let t = plane_root(ray, height, ray.direction.dot(normal), error)?;
+        let direction = if t > 0.0 { ray.direction } else { normal };
+        if triangle.is_passed(ray.origin, direction) { root(ray, t, 0) } else { None }
+    }
+
+    #[test]
+    fn the_filter_changes_nothing() {
+        let mut r = Random::new(78);
+        let (mut hits, mut rays, mut filters) = (0, 0, 0);
+        for _ in 0..2000 {
+            let scale = [1e-6, 1.0, 1e6][(r.bits() % 3) as usize];
+            let offset = direction(&mut r) * [0.0, 1.0, 1e5][(r.bits() % 3) as usize];
+            // From fair ones to needles and slivers.
+            let (a, b, thin) =
+                (direction(&mut r), direction(&mut r), pow(10.0, r.uniform(-13.0, 0.0)));
+            let c = [direction(&mut r), a + (b - a) * r.unit(), a][(r.bits() % 3) as usize];
+            let c = c + direction(&mut r) * thin;
+            let corners = [a, b, c].map(|p| (p + offset) * scale);
+            let Some(triangle) = Triangle::new(corners) else { continue };
+            filters += usize::from(triangle.facet.room != Room::NONE);
+            for _ in 0..200 {
+                let ray = trouble(&corners, triangle.facet.normal, triangle.facet.error, &mut r);
+                let expected = plainly(&triangle, &ray);
+                assert_eq!(triangle.intersect(&ray), expected, "{triangle:?} {ray:?}");
+                rays += 1;
+                hits += usize::from(expected.is_some());
+            }
+        }
+        println!("{hits} of {rays} rays hit; {filters} triangles with filters");
+        assert!(
+            rays > 300_000 && hits * 10 > rays && hits * 2 < rays && filters > 1000,
+            "{hits} {rays} {filters}"
+        );
+    }
 }

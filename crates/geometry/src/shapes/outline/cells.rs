@@ -7,7 +7,7 @@ use dioptric_math::bounds::gamma;
 use dioptric_math::{DVec2, DVec3};
 
 use super::super::sheared::Shear;
-use super::{Outline, Room, counts};
+use super::{Outline, Room, Spread, counts};
 
 /// Side of the largest grid: a row's cells are the bits of a word.
 const MOST: usize = 64;
@@ -84,13 +84,13 @@ impl Edge {
 
 impl Cells {
     /// A grid over an outline in the plane through `center` with these unit tangents. `None` where it could not be
-    /// trusted. Sets the room's slack.
+    /// trusted.
     pub fn new(
         outline: &Outline,
         center: DVec3,
         (x, y): (DVec3, DVec3),
-        room: &mut Room,
-    ) -> Option<Self> {
+        spread: Spread,
+    ) -> Option<(Room, Self)> {
         let n = outline.corners.len();
         let side = match n {
             0..=16 => 16,
@@ -106,7 +106,7 @@ impl Cells {
         let (across, up) = (x / cell, y / cell);
         let low = least / cell - 0.5;
         // The frame's corners are rounded where the center is far away.
-        let off = room.off + gamma(32) * center.abs().max_element();
+        let off = spread.off + gamma(32) * center.abs().max_element();
         let slack = cell / 64.0 + 16.0 * off;
         // In cells; rounding on the grid is far below. Half of it is for the ways around.
         let reach = 2.0 * slack / cell + 1e-6;
@@ -118,12 +118,12 @@ impl Cells {
         let frame = [(l, l), (h, l), (h, h), (l, h)].map(DVec2::from);
         let plan = Plan { outline, flat, side, reach, frame, rows: vec![], near: vec![] };
         let (rows, starts, chains) = plan.cells()?;
-        (room.off, room.slack) = (off, slack);
+        let room = Room::new(Spread { off, ..spread }, slack);
         let place = |p: DVec2| center + (x * (p.x + low.x) + y * (p.y + low.y)) * cell;
-        Some(Self { across, up, low, rows, starts, chains, frame: frame.map(place) })
+        Some((room, Self { across, up, low, rows, starts, chains, frame: frame.map(place) }))
     }
 
-    /// Whether a point of the plane (relative to its center), for which [`Room::is_enough`], is inside, unless it
+    /// Whether a point of the plane (relative to its center), for which there is [`Room`], is inside, unless it
     /// is in a cell near to edges.
     #[inline]
     pub fn encloses(&self, p: DVec3) -> Result<bool, Near> {

@@ -4,7 +4,7 @@
 use dioptric_math::{DVec3, Vec4, normalize};
 
 use super::super::sheared::Shear;
-use super::{Room, encloses};
+use super::{Room, Spread, encloses};
 
 /// One in the last place but three of an f32, relative: more than all roundings of one height over an edge, from
 /// numbers rounded to f32 (at most 9 of 2^-24 each).
@@ -15,7 +15,7 @@ const ROUNDING: f32 = 1.0 / (1u32 << 20) as f32;
 ///
 /// The rounding bound: the coefficients are at most 1 (and each 2^-24 of itself off), those of a point `|p|`, so
 /// three products, three sums and the roundings to f32 leave an error below `2^-20 (|p| + size)`, the components of
-/// `p` added up; underflow adds nothing that counts as [`Room`] wants `size > 1e-18`.
+/// `p` added up; underflow adds nothing that counts as [`Spread`] wants `size > 1e-18`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Halves<const GROUPS: usize> {
     groups: [[Vec4; 4]; GROUPS],
@@ -24,16 +24,19 @@ pub(crate) struct Halves<const GROUPS: usize> {
 }
 
 impl<const GROUPS: usize> Halves<GROUPS> {
+    /// For where there is [`Room::NONE`].
+    pub const NONE: Self = Self { groups: [[Vec4::ZERO; 4]; GROUPS], margin: 0.0 };
+
     /// For corners relative to a point of the plane, counterclockwise around `normal`; `None` where the outline
-    /// is not convex, has too many corners or next to nothing inside. Sets the room's slack.
-    pub fn new(corners: &[DVec3], normal: DVec3, room: &mut Room) -> Option<Self> {
+    /// is not convex, has too many corners or next to nothing inside.
+    pub fn new(corners: &[DVec3], normal: DVec3, spread: Spread) -> Option<(Room, Self)> {
         let n = corners.len();
         if !(3..=4 * GROUPS).contains(&n) {
             return None;
         }
-        let mut groups = [[Vec4::ZERO; 4]; GROUPS];
-        let size = room.size;
-        let slack = size * f64::from(2.0 * ROUNDING) + 16.0 * room.off;
+        let mut groups = Self::NONE.groups;
+        let size = spread.size;
+        let slack = size * f64::from(2.0 * ROUNDING) + 16.0 * spread.off;
         let middle = corners.iter().sum::<DVec3>() / n as f64;
         for lane in 0..4 * GROUPS {
             let i = lane % n;
@@ -58,13 +61,12 @@ impl<const GROUPS: usize> Halves<GROUPS> {
         if !encloses(corners, &Shear::new(middle, normal)) {
             return None;
         }
-        room.slack = slack;
         // 1e-9 size of tolerance are in what the larger power of two leaves.
         let margin = (slack + size * f64::from(2.0 * ROUNDING)) as f32;
-        Some(Self { groups, margin })
+        Some((Room::new(spread, slack), Self { groups, margin }))
     }
 
-    /// Whether a point of the plane, for which [`Room::is_enough`], is clearly inside or clearly outside.
+    /// Whether a point of the plane, for which there is [`Room`], is clearly inside or clearly outside.
     #[inline]
     pub fn encloses(&self, p: DVec3) -> Option<bool> {
         let p = p.as_vec3();

@@ -26,52 +26,23 @@
 //!    `k (off + g(64) (|f| + |d| t + size))`.
 //!
 //! The filters are right with a distance of `slack` or more from the edges, so they may be asked where that is at
-//! most `slack`: [`Room::is_enough`].
+//! most `slack`: [`Room`].
 
 mod cells;
+mod facet;
 mod halves;
+#[cfg(test)]
+pub(crate) mod testing;
 
 pub(crate) use cells::Cells;
+pub(crate) use facet::{Facet, Room, Spread};
 pub(crate) use halves::Halves;
 
+#[cfg(doc)]
 use dioptric_math::bounds::gamma;
 use dioptric_math::{DVec2, DVec3};
 
 use super::sheared::{Shear, area};
-
-/// How precisely a filter must be asked.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Room {
-    /// A bound on the distance of the corners from the plane's point, as the sum of the components.
-    size: f64,
-    /// How far the corners lie off the plane.
-    off: f64,
-    /// Errors up to this do no harm.
-    slack: f64,
-}
-
-impl Room {
-    /// Room for corners, given relative to a point of the plane. `None` where no filter should be made:
-    /// numbers that could leave the range of f32.
-    pub fn new(corners: &[DVec3], normal: DVec3) -> Option<Self> {
-        let (mut size, mut off) = (0.0_f64, 0.0_f64);
-        for p in corners {
-            size = size.max(p.abs().element_sum());
-            off = off.max(p.dot(normal).abs());
-        }
-        let off = off + gamma(8) * size;
-        (size > 1e-18 && size < 1e18 && off <= size).then_some(Self { size, off, slack: 0.0 })
-    }
-
-    /// Whether the error of a hit (see above; sums of components bound lengths) is below the slack. The
-    /// last term keeps numbers that are hardly any out. NaN is not enough.
-    #[inline]
-    pub fn is_enough(&self, offset: DVec3, direction: DVec3, t: f64, rate: f64) -> bool {
-        let step = direction.abs().element_sum();
-        let reach = offset.abs().element_sum() + step * t + self.size;
-        step * (self.off + gamma(64) * reach) + 1e-260 < rate.abs() * self.slack
-    }
-}
 
 /// The outline and its holes: rings of corners one after another.
 #[derive(Clone, Debug, PartialEq)]

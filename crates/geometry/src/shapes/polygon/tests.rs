@@ -4,18 +4,15 @@
 use dioptric_math::random::Random;
 use dioptric_math::{cos, sin};
 
+use super::super::convex::plane_root;
+use super::super::outline::testing::{direction, trouble};
 use super::*;
 
 /// The test without any filter.
 fn plainly(polygon: &Polygon, ray: &LocalRay) -> Option<Root> {
-    let height = (ray.origin - polygon.center).dot(polygon.normal);
-    let t = plane_root(ray, height, ray.direction.dot(polygon.normal), polygon.error)?;
+    let height = (ray.origin - polygon.facet.point).dot(polygon.facet.normal);
+    let t = plane_root(ray, height, ray.direction.dot(polygon.facet.normal), polygon.facet.error)?;
     if polygon.is_met(ray, t) { root(ray, t, 0) } else { None }
-}
-
-fn direction(r: &mut Random) -> DVec3 {
-    let mut one = || r.uniform(-1.0, 1.0);
-    normalize(DVec3::new(one(), one(), one())).unwrap_or(DVec3::X)
 }
 
 /// Corners around the origin at radii that `radius` gives for each, `turns` times around.
@@ -84,38 +81,6 @@ fn polygon(kind: u64, r: &mut Random) -> Option<(Polygon, Vec<Vec<DVec3>>)> {
     Some((Polygon::new(rings.clone()).ok()?, rings))
 }
 
-/// A ray to a point at or near an edge, a corner or anywhere, from anywhere, at any angle.
-fn ray(polygon: &Polygon, rings: &[Vec<DVec3>], r: &mut Random) -> LocalRay {
-    let size = polygon.bounds.size().max_element();
-    let ring = &rings[(r.bits() % rings.len() as u64) as usize];
-    let i = (r.bits() % ring.len() as u64) as usize;
-    let (a, b) = (ring[i], ring[(i + 1) % ring.len()]);
-    let target = match r.bits() % 4 {
-        0 => a,
-        1 => a + (b - a) * r.unit(),
-        2 => polygon.center + (a - polygon.center) * r.uniform(0.0, 1.5),
-        _ => {
-            let b = &polygon.bounds;
-            b.min + (b.max - b.min) * DVec3::new(r.unit(), r.unit(), r.unit())
-        }
-    };
-    // From nothing over the sizes where filters change their minds to plainly beside.
-    let tiny = size * dioptric_math::pow(10.0, r.uniform(-17.0, -1.0));
-    let target = if r.bits().is_multiple_of(3) { target } else { target + direction(r) * tiny };
-    let mut away = direction(r);
-    if r.bits().is_multiple_of(3) {
-        // Along the plane, almost.
-        let up = away.dot(polygon.normal);
-        away += polygon.normal * (up * dioptric_math::pow(10.0, r.uniform(-14.0, 0.0)) - up);
-    }
-    let reach = size * dioptric_math::pow(10.0, r.uniform(-8.0, 6.0));
-    let origin = target + away * reach;
-    let length = [1.0, 1e-3, 1e200, 1e-200][(r.bits() % 4) as usize];
-    let error = if r.bits().is_multiple_of(2) { 0.0 } else { polygon.error };
-    let t_max = if r.bits().is_multiple_of(4) { reach / length } else { f64::INFINITY };
-    LocalRay { origin, direction: -away * length, error, t_max, leaving: None }
-}
-
 #[test]
 fn filters_change_nothing() {
     let mut r = Random::new(77);
@@ -123,13 +88,14 @@ fn filters_change_nothing() {
     for i in 0..1800 {
         let Some((polygon, rings)) = polygon(i % 10, &mut r) else { continue };
         for _ in 0..300 {
-            let ray = ray(&polygon, &rings, &mut r);
+            let ring = &rings[(r.bits() % rings.len() as u64) as usize];
+            let ray = trouble(ring, polygon.facet.normal, polygon.facet.error, &mut r);
             let expected = plainly(&polygon, &ray);
             assert_eq!(polygon.intersect(&ray), expected, "{i}: {ray:?}\n{polygon:?}");
             rays += 1;
             hits += usize::from(expected.is_some());
         }
-        decided += usize::from(polygon.filter != Filter::None);
+        decided += usize::from(polygon.facet.filter != Filter::None);
     }
     println!("{hits} of {rays} rays hit; {decided} polygons with filters");
     assert!(
@@ -141,7 +107,7 @@ fn filters_change_nothing() {
 #[test]
 fn every_kind_has_its_filter() {
     let ring = |n| around_origin(n, 1.0, |_| 1.0).iter().map(|p| p.extend(2.0)).collect::<Vec<_>>();
-    let of = |rings| Polygon::new(rings).unwrap().filter;
+    let of = |rings| Polygon::new(rings).unwrap().facet.filter;
     assert!(matches!(of(vec![ring(4)]), Filter::Four(..)));
     assert!(matches!(of(vec![ring(7)]), Filter::Eight(..)));
     assert!(matches!(of(vec![ring(9)]), Filter::Cells(..)));
