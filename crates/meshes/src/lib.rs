@@ -17,9 +17,9 @@
 //! Faces with more than three corners become triangles ([`cut`]): convex ones a fan from their first
 //! corner, concave ones by ear clipping. Faces with fewer than three are left out.
 //!
-//! Why these readers are ours: of the crates for these formats, tobj gives errors without the line and
-//! cuts every polygon as a fan, and ply-rs-bw makes a list of values on the heap for each face and runs a
-//! grammar over each line; both reserve memory by what a header claims.
+//! Why these readers are ours: of the crates for these formats, tobj (4.0) gives errors without the line and
+//! cuts every polygon as a fan, and ply-rs-bw (2.0) makes a map of properties on the heap for each record and
+//! runs a grammar over each line; they take four to ten times as long (docs/performance.md).
 
 #![forbid(unsafe_code)]
 
@@ -48,6 +48,20 @@ pub struct Model {
     pub radii: Vec<f32>,
 }
 
+impl Model {
+    /// How many bytes of memory it takes.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        let mesh = &self.mesh;
+        let bytes = size_of_val(&*mesh.positions)
+            + size_of_val(&*mesh.triangles)
+            + size_of_val(&*mesh.normals)
+            + size_of_val(&*mesh.uvs)
+            + size_of_val(&*self.radii);
+        bytes as u64
+    }
+}
+
 /// The formats that are read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
@@ -72,13 +86,13 @@ impl Format {
 /// Where reading stops with an error instead of going on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
-    /// The most bytes that a mesh may take in memory: 16 GiB.
+    /// The most bytes that a mesh may take in memory: 4 GiB.
     pub bytes: u64,
 }
 
 impl Default for Limits {
     fn default() -> Self {
-        Self { bytes: 16 << 30 }
+        Self { bytes: 4 << 30 }
     }
 }
 
@@ -106,6 +120,9 @@ fn bytes_of(positions: usize, per_position: usize, triangles: usize) -> u64 {
 
 /// Says that a mesh is over the limit.
 fn too_large(place: Place, limits: &Limits) -> MeshError {
-    let mib = limits.bytes >> 20;
-    MeshError::too_large(place, format!("the mesh takes more than the limit of {mib} MiB"))
+    let limit = match limits.bytes >> 20 {
+        0 => format!("{} KiB", limits.bytes >> 10),
+        mib => format!("{mib} MiB"),
+    };
+    MeshError::too_large(place, format!("the mesh takes more than the limit of {limit}"))
 }

@@ -49,6 +49,8 @@ pub struct Builder<'a> {
     pub reading: ColorReading,
     /// How many texels pictures may still have.
     pub texels_left: u64,
+    /// How many bytes meshes of files may still take.
+    pub mesh_bytes_left: u64,
     /// How often a pattern was asked for: what is built meanwhile without one is the same everywhere.
     pub patterns_used: u64,
     pub(crate) loader: &'a dyn Loader,
@@ -69,6 +71,7 @@ impl<'a> Builder<'a> {
             description,
             reading,
             texels_left: MAX_TEXELS,
+            mesh_bytes_left: u64::MAX,
             patterns_used: 0,
             loader,
             bulk: Built::default(),

@@ -91,6 +91,7 @@ impl PictureOptions {
             max_pixels: self.max_pixels,
             camera: camera.map(Into::into),
             max_objects,
+            ..Options::default()
         })
     }
 

@@ -80,7 +80,10 @@ pub fn run(args: &RenderArgs, terminal: &Terminal) -> Result<(), Failure> {
     let interrupt = Interrupt::listen();
     // Everything that can be wrong without the scene is found before hours are spent on it.
     let format = args.format()?;
-    let options = args.picture.compile_options(args.scene.camera(), args.scene.max_objects())?;
+    let options = compile::Options {
+        max_mesh_bytes: args.scene.max_mesh_bytes(),
+        ..args.picture.compile_options(args.scene.camera(), args.scene.max_objects())?
+    };
     let tasks = args.tasks()?;
     let stats_file = args.stats.as_deref().map(Output::new).transpose()?;
     let pool = args.picture.pool()?;

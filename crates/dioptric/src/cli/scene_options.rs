@@ -7,6 +7,7 @@ use std::io::{self, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
 use dioptric::formats::{Limits, ReadOptions, Reading, read};
+use dioptric::render::compile::Options;
 use dioptric::render::vocabulary;
 use dioptric::scene::{FolderLoader, LoadError, Loader, Sources};
 
@@ -48,7 +49,7 @@ pub struct SceneOptions {
     /// Objects that the scene may have [default: 10 million].
     #[arg(long, value_name = "N", help_heading = "Limits")]
     max_objects: Option<usize>,
-    /// Memory that reading the scene may take, in MiB, or such as 8G [default: 4G].
+    /// Memory that reading the scene, and its meshes, may take, in MiB, or such as 8G [default: 4G].
     #[arg(long, value_name = "MIB", value_parser = bytes, help_heading = "Limits")]
     max_memory: Option<u64>,
 }
@@ -143,9 +144,9 @@ impl SceneOptions {
         self.limits().objects
     }
 
-    /// Bytes that reading may take, where the user says so.
-    pub const fn max_memory(&self) -> Option<u64> {
-        self.max_memory
+    /// Bytes that all meshes of the scene may take.
+    pub fn max_mesh_bytes(&self) -> u64 {
+        self.max_memory.unwrap_or(Options::default().max_mesh_bytes)
     }
 
     fn limits(&self) -> Limits {

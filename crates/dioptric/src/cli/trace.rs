@@ -137,7 +137,7 @@ impl Source {
             return options.read_shapes(terminal).map(Box::new).map(Self::Scene);
         }
         let mut file = File::open(Path::new(name)).map_err(|e| Failure::input(name, &e))?;
-        let limits = Limits { bytes: options.max_memory().unwrap_or(Limits::default().bytes) };
+        let limits = Limits { bytes: options.max_mesh_bytes() };
         dioptric::meshes::read(name, &mut file, &limits)
             .map(Self::Model)
             .map_err(|e| Failure::File { message: e.to_string(), help: e.help })
@@ -163,6 +163,7 @@ impl Source {
         let wanted = compile::Options {
             camera: options.camera().map(Into::into),
             max_objects: options.max_objects(),
+            max_mesh_bytes: options.max_mesh_bytes(),
             ..compile::Options::default()
         };
         let (scene, warnings) = compile::compile(&description, &read.loader, &wanted)

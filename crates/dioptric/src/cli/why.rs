@@ -74,7 +74,10 @@ struct UnusedOptions {
 
 /// Explains the pixels that were asked for.
 pub fn run(args: &WhyArgs, terminal: &Terminal) -> Result<(), Failure> {
-    let options = args.picture.compile_options(args.scene.camera(), args.scene.max_objects())?;
+    let options = compile::Options {
+        max_mesh_bytes: args.scene.max_mesh_bytes(),
+        ..args.picture.compile_options(args.scene.camera(), args.scene.max_objects())?
+    };
     let output = Output::new(&args.output)?;
     let frame = args.unused.frames.map_or(args.scene.frame, |frames| frames.first);
     let ReadScene { reading, loader } = args.scene.at_frame(frame).read(terminal)?;

@@ -92,13 +92,16 @@ impl Builder<'_> {
         Ok(model)
     }
 
-    fn read_model(&self, args: &Args, name: &str, path: &str) -> Result<Model, Diagnostic> {
+    fn read_model(&mut self, args: &Args, name: &str, path: &str) -> Result<Model, Diagnostic> {
         let place = args.description.argument_span(args.id, name);
         let mut file = self.loader.open(path).map_err(|why| why.diagnostic().at(place, ""))?;
-        dioptric_meshes::read(path, &mut file, &Limits::default()).map_err(|why| {
+        let limits = Limits { bytes: self.mesh_bytes_left };
+        let model = dioptric_meshes::read(path, &mut file, &limits).map_err(|why| {
             let code = if why.is_too_large { "mesh-too-large" } else { "mesh-damaged" };
             Diagnostic::error(code, why.to_string()).at(place, "").help(why.help)
-        })
+        })?;
+        self.mesh_bytes_left = self.mesh_bytes_left.saturating_sub(model.bytes());
+        Ok(model)
     }
 }
 

@@ -32,6 +32,8 @@ pub struct Options {
     pub camera: Option<String>,
     /// The most objects that may be made, instances' insides counted once.
     pub max_objects: usize,
+    /// The most bytes that the points and triangles of all mesh files may take: 4 GiB.
+    pub max_mesh_bytes: u64,
 }
 
 impl Default for Options {
@@ -42,6 +44,7 @@ impl Default for Options {
             max_pixels: MAX_PIXELS,
             camera: None,
             max_objects: 50_000_000,
+            max_mesh_bytes: 4 << 30,
         }
     }
 }
@@ -62,6 +65,7 @@ pub fn compile(
     // How the file is to be read comes first: every colour and position depends on it.
     let (reading, root) = settings::root(d).map_err(|e| vec![e])?;
     let mut builder = Builder::new(d, reading, loader);
+    builder.mesh_bytes_left = options.max_mesh_bytes;
     let settings = RenderSettings::from_scene(d, &borrowed(&options.render), options.max_pixels)
         .map_err(|e| vec![e])?;
     let develop =
