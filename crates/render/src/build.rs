@@ -12,7 +12,7 @@ use dioptric_scene::{Args, Description, Diagnostic, Loader, NodeId, Value, color
 use crate::bulk::Built;
 use crate::input::{ColorInput, NumberInput};
 use crate::pattern::AnyPattern;
-use crate::texture::{MAX_TEXELS, Texture};
+use crate::texture::{MAX_TEXELS, Texture, load_ahead};
 
 /// How colours in the scene's text and its pictures are to be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
@@ -57,6 +57,8 @@ pub struct Builder<'a> {
     pub(crate) bulk: Built,
     patterns: HashMap<(NodeId, ColorReading), Arc<AnyPattern>>,
     textures: HashMap<Arc<str>, Arc<Texture>>,
+    /// Pictures that were read together when the first was asked for.
+    ahead: Option<HashMap<Arc<str>, Texture>>,
 }
 
 impl<'a> Builder<'a> {
@@ -77,6 +79,7 @@ impl<'a> Builder<'a> {
             bulk: Built::default(),
             patterns: HashMap::new(),
             textures: HashMap::new(),
+            ahead: None,
         }
     }
 
@@ -106,11 +109,17 @@ impl<'a> Builder<'a> {
             return Ok(done.clone());
         }
         let place = args.description.argument_span(args.id, name);
-        let bytes = self.loader.read(&path).map_err(|why| why.diagnostic().at(place, ""))?;
-        let texture = Texture::from_bytes(&bytes, &path, self.texels_left)
-            .map_err(|why| picture_error(&why).at(place, ""))?;
-        self.texels_left -=
-            (texture.width() as u64 * texture.height() as u64).min(self.texels_left);
+        let (description, loader, left) = (self.description, self.loader, self.texels_left);
+        let ahead = self.ahead.get_or_insert_with(|| load_ahead(description, loader, left));
+        let texture = match ahead.remove(&path) {
+            Some(texture) if texture.texels() <= left => texture,
+            _ => {
+                let bytes = loader.read(&path).map_err(|why| why.diagnostic().at(place, ""))?;
+                Texture::from_bytes(&bytes, &path, left)
+                    .map_err(|why| picture_error(&why).at(place, ""))?
+            }
+        };
+        self.texels_left -= texture.texels().min(left);
         let texture = Arc::new(texture);
         self.textures.insert(path, texture.clone());
         Ok(texture)

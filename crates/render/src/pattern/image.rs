@@ -352,6 +352,31 @@ mod tests {
     }
 
     #[test]
+    fn pictures_read_ahead_are_the_same_and_so_are_their_errors() {
+        let mut bench = Bench::default();
+        let half = ruler()[..ruler().len() / 2].to_vec();
+        bench.files = bench.files.with("a.png", ruler()).with("b.png", png(2, 2, |_, _| [0.2; 3]));
+        bench.files = bench.files.with("half.png", half);
+        let names = ["a.png", "b.png", "half.png", "none.png", "a.png"];
+        let nodes = names.map(|name| bench.node("image", &[("file", t(name))]));
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
+        for texels in [1 << 20, 65_538, 65_536, 65_535, 3] {
+            let all = || {
+                let mut builder = bench.builder();
+                builder.texels_left = texels;
+                nodes.map(|id| match builder.pattern(id) {
+                    Ok(pattern) => Ok(pattern.eval(&at(0.3, 0.6, 0.0))),
+                    Err(error) => Err(error.message),
+                })
+            };
+            let apart = all();
+            assert_eq!(pool.install(all), apart);
+            assert_eq!(apart[0].is_ok(), texels >= 65_536, "{apart:?}");
+            assert!(apart[2].is_err() && apart[3].is_err());
+        }
+    }
+
+    #[test]
     fn channels_and_borders() {
         let blue = image(&[("channel", t("blue"))]);
         assert_eq!(blue.eval(&at(0.9, 0.9, 0.0)), grey(0.0));

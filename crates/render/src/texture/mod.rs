@@ -2,6 +2,7 @@
 //! Pictures as patterns use them: stored as small as they were in their file, read one texel at a
 //! time, decoded only when asked for as colour.
 
+mod ahead;
 mod lookup;
 
 use std::sync::OnceLock;
@@ -9,6 +10,7 @@ use std::sync::OnceLock;
 use dioptric_image::transfer::linear_from_srgb;
 use dioptric_image::{Encoding, ImageError, Stored, Values, decode_stored};
 
+pub use ahead::load_ahead;
 pub use lookup::{Filter, Lookup, Wrap};
 
 /// The most texels that all pictures of a scene may have together, unless a program says otherwise.
@@ -65,6 +67,12 @@ impl Texture {
     #[must_use]
     pub const fn height(&self) -> usize {
         self.height
+    }
+
+    /// How many texels there are.
+    #[must_use]
+    pub const fn texels(&self) -> u64 {
+        self.width as u64 * self.height as u64
     }
 
     /// Memory for the texels.
