@@ -9,7 +9,7 @@
 # OUT keeps the scenes, rays, hits and every figure (without it they are thrown away). DIOPTRIC names the program, ROUNDS
 # how many times each program runs in turn (5), REPEAT how often it casts all rays in a run (3), COUNT the triangles and
 # spheres (1000000), SIDE the side of the pictures that the primary rays make (720), SCENES which scenes (closed terrain
-# spheres), THREADS which numbers of threads ("1 2"). The whole takes about six minutes.
+# spheres), THREADS which numbers of threads ("1 2"). The whole takes about seven minutes.
 set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
 here=$root/bench/embree
@@ -57,7 +57,10 @@ note() {
     echo "build ${cell%%/*}/${cell##*/} $program $(build_of report)" >> figures
     sed -n "s#^peak \(.*\) MiB#peak $cell $program \1#p" report >> figures
 }
-ours() { note "$1/$2/$3/$4" dioptric $5 "$dioptric" trace "$1.ply" "$1-$2.rays" -o "$1-$2-$3.dioptric" --threads "$4" --repeat "$repeat" $([ "$3" != any ] || echo --any); }
+ours() {
+    note "$1/$2/$3/$4" dioptric $5 "$dioptric" trace "$1.ply" "$1-$2.rays" -o "$1-$2-$3.dioptric" --threads "$4" \
+        --repeat "$repeat" $(case $3 in any) echo --any ;; packet) echo --batch ;; esac)
+}
 theirs() { note "$1/$2/$3/$4" embree $5 ./embree trace "$1.ply" "$1-$2.rays" "$4" "$repeat" "$3" "$1-$2-$3.embree"; }
 # The median, least and most of the figures of a kind, cell and program.
 figures_of() {
@@ -79,7 +82,10 @@ for scene in $scenes; do
                     ours "$scene" "$rays" "$query" "$thread" "${large:+./embree peak}"
                     theirs "$scene" "$rays" "$query" "$thread" "${large:+./embree peak}"
                 done
-                [ -n "$large" ] || theirs "$scene" "$rays" packet "$thread" ""
+                [ -n "$large" ] || {
+                    ours "$scene" "$rays" packet "$thread" ""
+                    theirs "$scene" "$rays" packet "$thread" ""
+                }
             done
         done
     done
@@ -88,18 +94,21 @@ done
 echo "$count triangles or spheres a scene, $side x $side primary rays and a cosine-distributed one from each hit; medians"
 echo "(least to most) of $rounds runs in turn, each the median of $repeat times all rays. $(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -n 1)."
 echo
-echo "| scene | rays | query | threads | Dioptric, Mrays/s | Embree, single rays | ratio | Embree, packets of 16 |"
-echo "|---|---|---|---|---|---|---|---|"
+echo "| scene | rays | query | threads | Dioptric, Mrays/s | Embree, single rays | ratio | packets: Dioptric \`--batch\` | Embree, 16 |"
+echo "|---|---|---|---|---|---|---|---|---|"
 for scene in $scenes; do
     for rays in primary bounce; do
         for query in $queries; do
             for thread in $threads; do
                 a=$(figures_of rays "$scene/$rays/$query/$thread" dioptric)
                 b=$(figures_of rays "$scene/$rays/$query/$thread" embree)
-                p=
-                [ "$query" != closest ] || p=$(figures_of rays "$scene/$rays/packet/$thread" embree)
-                printf '| %s | %s | %s | %s | %s (%s to %s) | %s (%s to %s) | **%s** | %s |\n' "$scene" "$rays" "$query" \
-                    "$thread" $a $b "$(over "${a%% *}" "${b%% *}")" "${p%% *}"
+                p= q=
+                [ "$query" != closest ] || {
+                    p=$(figures_of rays "$scene/$rays/packet/$thread" dioptric)
+                    q=$(figures_of rays "$scene/$rays/packet/$thread" embree)
+                }
+                printf '| %s | %s | %s | %s | %s (%s to %s) | %s (%s to %s) | **%s** | %s | %s |\n' "$scene" "$rays" \
+                    "$query" "$thread" $a $b "$(over "${a%% *}" "${b%% *}")" "${p%% *}" "${q%% *}"
             done
         done
     done
