@@ -176,12 +176,13 @@ pub(crate) unsafe fn walk_tree<T: Test, C: Counter, L: Leaves<T, C>>(
                 Task::new(child, near[lane])
             };
             if entered != 0 {
-                let first = task(entered);
-                entered &= entered - 1;
-                if entered == 0 {
-                    at = first.child();
+                let others = entered & (entered - 1);
+                if others == 0 {
+                    at = node.children[entered.trailing_zeros() as usize % WIDTH];
                     continue;
                 }
+                let first = task(entered);
+                entered = others;
                 let second = task(entered);
                 entered &= entered - 1;
                 let (mut nearer, mut farther) = (first.min(second), first.max(second));

@@ -11,6 +11,12 @@
 //! e = 8uR + 2b. The coordinates of a triangle that is passed are at most E + e =: M; each of an edge function's
 //! two products is off by 2Me + e^2, and their roundings add 6uM^2 where uM <= e. Together that is less
 //! than 12eM.
+//!
+//! What is left then gets a second look, with bounds from its own numbers. Let O bound the origin, and X and Z be the
+//! largest coordinates that were worked out across and along the line. The rounded origin is off by uO, an offset
+//! A by uA more, so that a sheared coordinate is off by at most 2uO + u(2X + 4Z) and by 2b: e. An edge
+//! function is off by 4Xe + 2e^2 + 6uX^2 < 8e(X + e), a depth by less than e, and the three products of both together
+//! by 3 times the one by Z, and the sum of the edge functions by e.
 
 /// Triangles of a packet.
 pub(crate) const SIDE_BY_SIDE: usize = 8;
@@ -73,11 +79,22 @@ pub(crate) struct Aim {
     pub margin: f32,
     /// What a depth may be off by.
     pub slack: f32,
+    /// What a sheared coordinate may be off by for the origin's sake.
+    pub error: f32,
     /// Whether single precision is any use; else all triangles must be asked.
     pub usable: bool,
 }
 
 impl Aim {
+    /// For how much of X, and of Z, a sheared coordinate may be off besides: 2u and 4u, and a little more.
+    pub const ACROSS: f32 = 1.3e-7;
+    /// See [`Self::ACROSS`].
+    pub const ALONG: f32 = 2.6e-7;
+    /// The 8 of the edge functions, and a little more.
+    pub const EDGES: f32 = 8.5;
+    /// The 3 of the depths, and a little more.
+    pub const DEPTHS: f32 = 3.2;
+
     /// The line through `origin` (in the order of `axes`) with slopes as [`Self::slope`] has
     /// them. `largest` bounds the coordinates of all corners and `edge` those of all edges of triangles that are
     /// not large; `near` is as b above.
@@ -101,6 +118,8 @@ impl Aim {
             // Rounded up, with room for its own roundings.
             margin: (margin * (1.0 + 1e-6)) as f32,
             slack: ((error + f64::from(f32::MIN_POSITIVE)) * (1.0 + 1e-6)) as f32,
+            // Twice what it must be, for the second look's own roundings.
+            error: (4.0 / f64::from(1u32 << 24) * away + 4.0 * near) as f32,
             usable: reach + error < 1e18,
         }
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Casting rays at a mesh.
 
+use std::marker::PhantomData;
 use std::ops::Range;
 
 use dioptric_math::DVec3;
@@ -213,8 +214,8 @@ impl<const ANY: bool> Job for Cast<'_, ANY> {
         let aim = mesh.aim(&line, ray.error);
         // SAFETY: the caller answers for the instruction set.
         unsafe {
-            let aimed = T::aim(&aim);
-            let mut hits = Hits::<T, ANY> { mesh, ray, line, aim, aimed, best: None };
+            let mut hits =
+                Hits::<T, ANY> { mesh, ray, line, aim, best: None, lanes: PhantomData::<T> };
             walk_tree::<T, _, _>(&mesh.bvh, &box_ray, ray.t_max, &mut NoCount, &mut hits);
             hits.best
         }
@@ -227,8 +228,8 @@ struct Hits<'a, T: Test, const ANY: bool> {
     ray: &'a LocalRay,
     line: Line,
     aim: Aim,
-    aimed: T::Aimed,
     best: Option<Root>,
+    lanes: PhantomData<T>,
 }
 
 impl<T: Test, const ANY: bool> Leaves<T, NoCount> for Hits<'_, T, ANY> {
@@ -252,7 +253,7 @@ impl<T: Test, const ANY: bool> Leaves<T, NoCount> for Hits<'_, T, ANY> {
             let depths = self.aim.depths(self.line.depth(t_max));
             let kept = if self.aim.usable {
                 // SAFETY: the caller answers for the instruction set.
-                unsafe { T::triangles(packet, &self.aimed, margin, depths) }
+                unsafe { T::triangles(packet, &self.aim, margin, depths) }
             } else {
                 packet.all()
             };

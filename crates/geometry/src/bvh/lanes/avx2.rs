@@ -2,10 +2,10 @@
 //! Eight boxes or triangles with AVX2 and FMA.
 
 use std::arch::x86_64::{
-    __m256, _CMP_GE_OQ, _CMP_LE_OQ, _mm256_and_ps, _mm256_cmp_ps, _mm256_fmsub_ps,
-    _mm256_fnmadd_ps, _mm256_load_ps, _mm256_max_ps, _mm256_min_ps, _mm256_movemask_ps,
-    _mm256_mul_ps, _mm256_or_ps, _mm256_set1_ps, _mm256_setzero_ps, _mm256_storeu_ps,
-    _mm256_sub_ps,
+    __m256, _CMP_GE_OQ, _CMP_LE_OQ, _CMP_NGT_UQ, _CMP_NLT_UQ, _mm256_add_ps, _mm256_and_ps,
+    _mm256_andnot_ps, _mm256_cmp_ps, _mm256_fmadd_ps, _mm256_fmsub_ps, _mm256_fnmadd_ps,
+    _mm256_load_ps, _mm256_max_ps, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_or_ps,
+    _mm256_set1_ps, _mm256_setzero_ps, _mm256_storeu_ps, _mm256_sub_ps, _mm256_xor_ps,
 };
 
 use super::{Aim, BoxRay, Entries, Node, Packet, Test, WIDTH};
@@ -22,30 +22,27 @@ pub(crate) struct Spread {
     first: [usize; 3],
 }
 
-/// The distances to the near and the far planes, before they are put together with the limit.
+/// The distances to the near and the far planes, the latter at most the limit.
 ///
 /// # Safety
 /// The processor has AVX2 and FMA.
 #[inline(always)]
-pub(super) unsafe fn slabs(node: &Node, ray: &Spread) -> (__m256, __m256) {
-    let t = |axis: usize, side: usize, origin: &[__m256; 3]| {
-        // SAFETY: `first` is 2 * axis or one more, so the plane is one of six; nodes are aligned to 64
-        // bytes and a plane has 32. The caller answers for the instruction set.
-        unsafe {
-            let plane = node.planes.get_unchecked(ray.first[axis] ^ side);
-            _mm256_fmsub_ps(_mm256_load_ps(plane.as_ptr()), ray.inverse[axis], origin[axis])
-        }
-    };
-    // SAFETY: the caller answers for the instruction set.
+pub(super) unsafe fn slabs(node: &Node, ray: &Spread, limit: f32) -> (__m256, __m256) {
+    // SAFETY: `first` is 2 * axis or one more, and the other plane of the axis the one of the two that it is not.
+    // The caller answers for the instruction set.
     unsafe {
-        let near = _mm256_max_ps(
-            _mm256_max_ps(t(0, 0, &ray.near), t(1, 0, &ray.near)),
-            // Second, so that -0 becomes 0.
-            _mm256_max_ps(t(2, 0, &ray.near), _mm256_setzero_ps()),
-        );
-        let far =
-            _mm256_min_ps(_mm256_min_ps(t(0, 1, &ray.far), t(1, 1, &ray.far)), t(2, 1, &ray.far));
-        (near, far)
+        let Spread { near, far, inverse, first } = ray;
+        let x = slab(node, first[0], inverse[0], near[0]);
+        let y = slab(node, first[1], inverse[1], near[1]);
+        let z = slab(node, first[2], inverse[2], near[2]);
+        // Second, so that -0 becomes 0.
+        let z = _mm256_max_ps(z, _mm256_setzero_ps());
+        let entry = _mm256_max_ps(_mm256_max_ps(x, y), z);
+        let x = slab(node, first[0] ^ 1, inverse[0], far[0]);
+        let y = slab(node, first[1] ^ 1, inverse[1], far[1]);
+        let z = slab(node, first[2] ^ 1, inverse[2], far[2]);
+        let z = _mm256_min_ps(z, _mm256_set1_ps(limit));
+        (entry, _mm256_min_ps(_mm256_min_ps(x, y), z))
     }
 }
 
@@ -77,8 +74,7 @@ impl Test for Avx2 {
     unsafe fn enter(node: &Node, ray: &Spread, limit: f32) -> (Entries, u32) {
         // SAFETY: the caller answers for the instruction set; the array has the size of a register.
         unsafe {
-            let (near, far) = slabs(node, ray);
-            let far = _mm256_min_ps(far, _mm256_set1_ps(limit));
+            let (near, far) = slabs(node, ray, limit);
             let entered = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(near, far));
             let mut entries = [0.0; WIDTH];
             _mm256_storeu_ps(entries.as_mut_ptr(), near);
@@ -86,93 +82,198 @@ impl Test for Avx2 {
         }
     }
 
-    type Aimed = Aimed;
-
     #[inline(always)]
-    unsafe fn aim(aim: &Aim) -> Aimed {
-        // SAFETY: the caller answers for the instruction set.
-        unsafe { spread_aim(aim) }
-    }
-
-    #[inline(always)]
-    unsafe fn triangles(packet: &Packet, aim: &Aimed, margin: f32, depths: [f32; 2]) -> u32 {
+    unsafe fn triangles(packet: &Packet, aim: &Aim, margin: f32, depths: [f32; 2]) -> u32 {
         // SAFETY: the caller answers for the instruction set.
         unsafe {
-            let Seen { least, most, low, high } = see(packet, aim);
+            let seen = see(packet, aim);
+            let Ranges { least, most, low, high } = seen.ranges();
             let positive = _mm256_cmp_ps::<_CMP_GE_OQ>(least, _mm256_set1_ps(-margin));
             let negative = _mm256_cmp_ps::<_CMP_LE_OQ>(most, _mm256_set1_ps(margin));
             let starts = _mm256_cmp_ps::<_CMP_LE_OQ>(low, _mm256_set1_ps(depths[0]));
             let ends = _mm256_cmp_ps::<_CMP_GE_OQ>(high, _mm256_set1_ps(depths[1]));
             let within = _mm256_or_ps(positive, negative);
-            _mm256_movemask_ps(_mm256_and_ps(within, _mm256_and_ps(starts, ends))) as u32
+            let kept =
+                _mm256_movemask_ps(_mm256_and_ps(within, _mm256_and_ps(starts, ends))) as u32;
+            if kept == 0 {
+                return 0;
+            }
+            let Closer { margin, depth, slack } = seen.closer(aim, low, high);
+            let minus = _mm256_sub_ps(_mm256_setzero_ps(), margin);
+            let positive = _mm256_cmp_ps::<_CMP_GE_OQ>(least, minus);
+            let negative = _mm256_cmp_ps::<_CMP_LE_OQ>(most, margin);
+            let minus = _mm256_sub_ps(_mm256_setzero_ps(), slack);
+            // Not `>=`: NaN is no reason to reject.
+            let ahead = _mm256_cmp_ps::<_CMP_NLT_UQ>(depth, minus);
+            let behind = _mm256_cmp_ps::<_CMP_NGT_UQ>(depth, slack);
+            let within =
+                _mm256_or_ps(_mm256_and_ps(positive, ahead), _mm256_and_ps(negative, behind));
+            kept & _mm256_movemask_ps(within) as u32
         }
     }
 }
 
-/// A line among triangles, a register for each number.
-#[derive(Clone, Copy)]
-pub(crate) struct Aimed {
-    origin: [__m256; 3],
-    slope: [__m256; 2],
-    axes: [usize; 3],
+/// The corners of triangles as a line sees them, and the edge functions.
+pub(super) struct Seen {
+    corners: [[__m256; 3]; 3],
+    edges: [__m256; 3],
 }
 
 /// The least and the greatest of the edge functions, and of the depths of the corners.
-pub(super) struct Seen {
+pub(super) struct Ranges {
     pub least: __m256,
     pub most: __m256,
     pub low: __m256,
     pub high: __m256,
 }
 
+/// The second look, with margins for each triangle.
+pub(super) struct Closer {
+    /// What an edge function may be off by.
+    pub margin: __m256,
+    /// The depth of the passage times the sum of the edge functions; negative where the line goes against the
+    /// axis.
+    pub depth: __m256,
+    /// What that may be off by.
+    pub slack: __m256,
+}
+
 /// # Safety
 /// The processor has AVX2 and FMA.
 #[inline(always)]
-pub(super) unsafe fn spread_aim(aim: &Aim) -> Aimed {
+pub(super) unsafe fn see(packet: &Packet, aim: &Aim) -> Seen {
     // SAFETY: the caller answers for the instruction set.
     unsafe {
-        Aimed {
-            origin: [
-                _mm256_set1_ps(aim.origin[0]),
-                _mm256_set1_ps(aim.origin[1]),
-                _mm256_set1_ps(aim.origin[2]),
-            ],
-            slope: [_mm256_set1_ps(aim.slope[0]), _mm256_set1_ps(aim.slope[1])],
-            axes: aim.axes,
+        let a = corner(&packet.corners[0], aim);
+        let b = corner(&packet.corners[1], aim);
+        let c = corner(&packet.corners[2], aim);
+        Seen { corners: [a, b, c], edges: [edge(c, b), edge(a, c), edge(b, a)] }
+    }
+}
+
+impl Seen {
+    /// # Safety
+    /// The processor has AVX2 and FMA.
+    #[inline(always)]
+    pub(super) unsafe fn ranges(&self) -> Ranges {
+        let ([u, v, w], [a, b, c]) = (self.edges, self.corners);
+        // SAFETY: the caller answers for the instruction set.
+        unsafe {
+            Ranges {
+                least: _mm256_min_ps(_mm256_min_ps(u, v), w),
+                most: _mm256_max_ps(_mm256_max_ps(u, v), w),
+                low: _mm256_min_ps(_mm256_min_ps(a[2], b[2]), c[2]),
+                high: _mm256_max_ps(_mm256_max_ps(a[2], b[2]), c[2]),
+            }
         }
+    }
+
+    /// # Safety
+    /// The processor has AVX2 and FMA.
+    #[inline(always)]
+    pub(super) unsafe fn closer(&self, aim: &Aim, low: __m256, high: __m256) -> Closer {
+        let ([u, v, w], [a, b, c]) = (self.edges, self.corners);
+        // SAFETY: the caller answers for the instruction set.
+        unsafe {
+            let across = _mm256_max_ps(
+                _mm256_max_ps(largest(a[0], a[1]), largest(b[0], b[1])),
+                largest(c[0], c[1]),
+            );
+            let along = largest(low, high);
+            let error = _mm256_fmadd_ps(
+                _mm256_set1_ps(Aim::ACROSS),
+                across,
+                _mm256_fmadd_ps(_mm256_set1_ps(Aim::ALONG), along, _mm256_set1_ps(aim.error)),
+            );
+            let margin = _mm256_mul_ps(
+                _mm256_mul_ps(_mm256_set1_ps(Aim::EDGES), error),
+                _mm256_add_ps(across, error),
+            );
+            let margin = _mm256_add_ps(margin, _mm256_set1_ps(f32::MIN_POSITIVE));
+            let depth = _mm256_fmadd_ps(u, a[2], _mm256_fmadd_ps(v, b[2], _mm256_mul_ps(w, c[2])));
+            let sum = _mm256_add_ps(_mm256_add_ps(abs(u), abs(v)), abs(w));
+            let slack = _mm256_fmadd_ps(
+                _mm256_mul_ps(_mm256_set1_ps(Aim::DEPTHS), margin),
+                along,
+                _mm256_fmadd_ps(sum, error, _mm256_set1_ps(f32::MIN_POSITIVE)),
+            );
+            let sign = _mm256_set1_ps(if aim.forward { 0.0 } else { -0.0 });
+            Closer { margin, depth: _mm256_xor_ps(depth, sign), slack }
+        }
+    }
+}
+
+// No closures above: they would be compiled without the instruction set, and its instructions be calls.
+
+/// # Safety
+/// The processor has AVX2 and FMA.
+#[inline(always)]
+unsafe fn abs(x: __m256) -> __m256 {
+    // SAFETY: the caller answers for the instruction set.
+    unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), x) }
+}
+
+/// # Safety
+/// The processor has AVX2 and FMA.
+#[inline(always)]
+unsafe fn largest(x: __m256, y: __m256) -> __m256 {
+    // SAFETY: the caller answers for the instruction set.
+    unsafe { _mm256_max_ps(abs(x), abs(y)) }
+}
+
+/// # Safety
+/// The processor has AVX2 and FMA.
+#[inline(always)]
+unsafe fn edge(p: [__m256; 3], q: [__m256; 3]) -> __m256 {
+    // SAFETY: the caller answers for the instruction set.
+    unsafe { _mm256_fmsub_ps(p[0], q[1], _mm256_mul_ps(p[1], q[0])) }
+}
+
+/// A corner of the triangles as the line sees it.
+///
+/// # Safety
+/// The processor has AVX2 and FMA; `rows` are a packet's.
+#[inline(always)]
+unsafe fn corner(rows: &[[f32; WIDTH]; 3], aim: &Aim) -> [__m256; 3] {
+    // SAFETY: the caller answers for the instruction set.
+    unsafe {
+        let depth = offset(rows, aim, 2);
+        let x = _mm256_fnmadd_ps(_mm256_set1_ps(aim.slope[0]), depth, offset(rows, aim, 0));
+        let y = _mm256_fnmadd_ps(_mm256_set1_ps(aim.slope[1]), depth, offset(rows, aim, 1));
+        [x, y, depth]
+    }
+}
+
+/// # Safety
+/// The processor has AVX2 and FMA; `rows` are a packet's.
+#[inline(always)]
+unsafe fn offset(rows: &[[f32; WIDTH]; 3], aim: &Aim, axis: usize) -> __m256 {
+    // SAFETY: `axes` are 0, 1 and 2 in some order; packets are aligned to 64 bytes and a row of numbers has
+    // 32. The caller answers for the instruction set.
+    unsafe {
+        let row = rows.get_unchecked(aim.axes[axis]);
+        _mm256_sub_ps(_mm256_load_ps(row.as_ptr()), _mm256_set1_ps(aim.origin[axis]))
+    }
+}
+
+/// Distances to planes of all boxes.
+///
+/// # Safety
+/// The processor has AVX2 and FMA; `plane` is one of six.
+#[inline(always)]
+unsafe fn slab(node: &Node, plane: usize, inverse: __m256, origin: __m256) -> __m256 {
+    // SAFETY: the caller answers for the plane and the instruction set; nodes are aligned to 64 bytes and a
+    // plane has 32.
+    unsafe {
+        let plane = node.planes.get_unchecked(plane);
+        _mm256_fmsub_ps(_mm256_load_ps(plane.as_ptr()), inverse, origin)
     }
 }
 
 /// # Safety
 /// The processor has AVX2 and FMA.
 #[inline(always)]
-pub(super) unsafe fn see(packet: &Packet, aim: &Aimed) -> Seen {
-    let corner = |corner: usize| {
-        // SAFETY: there are three corners, and `axes` are 0, 1 and 2 in some order; packets are aligned to 64 bytes and a row of
-        // numbers has 32. The caller answers for the instruction set.
-        unsafe {
-            let offset = |i: usize| {
-                let row = packet.corners.get_unchecked(corner).get_unchecked(aim.axes[i]);
-                _mm256_sub_ps(_mm256_load_ps(row.as_ptr()), aim.origin[i])
-            };
-            let depth = offset(2);
-            let x = _mm256_fnmadd_ps(aim.slope[0], depth, offset(0));
-            let y = _mm256_fnmadd_ps(aim.slope[1], depth, offset(1));
-            (x, y, depth)
-        }
-    };
-    let (a, b, c) = (corner(0), corner(1), corner(2));
+unsafe fn all(x: [f32; 3]) -> [__m256; 3] {
     // SAFETY: the caller answers for the instruction set.
-    unsafe {
-        let edge = |p: (__m256, __m256, __m256), q: (__m256, __m256, __m256)| {
-            _mm256_fmsub_ps(p.0, q.1, _mm256_mul_ps(p.1, q.0))
-        };
-        let (u, v, w) = (edge(c, b), edge(a, c), edge(b, a));
-        Seen {
-            least: _mm256_min_ps(_mm256_min_ps(u, v), w),
-            most: _mm256_max_ps(_mm256_max_ps(u, v), w),
-            low: _mm256_min_ps(_mm256_min_ps(a.2, b.2), c.2),
-            high: _mm256_max_ps(_mm256_max_ps(a.2, b.2), c.2),
-        }
-    }
+    unsafe { [_mm256_set1_ps(x[0]), _mm256_set1_ps(x[1]), _mm256_set1_ps(x[2])] }
 }

@@ -2,11 +2,11 @@
 //! Eight boxes or triangles with AVX-512: masks in registers of their own, and more room for the ray.
 
 use std::arch::x86_64::{
-    _CMP_GE_OQ, _CMP_LE_OQ, _mm256_cmp_ps_mask, _mm256_mask_cmp_ps_mask, _mm256_min_ps,
-    _mm256_set1_ps, _mm256_storeu_ps,
+    _CMP_GE_OQ, _CMP_LE_OQ, _CMP_NGT_UQ, _CMP_NLT_UQ, _mm256_cmp_ps_mask, _mm256_mask_cmp_ps_mask,
+    _mm256_set1_ps, _mm256_setzero_ps, _mm256_storeu_ps, _mm256_sub_ps,
 };
 
-use super::avx2::{self, Aimed, Seen, Spread};
+use super::avx2::{self, Closer, Ranges, Spread};
 use super::{Aim, BoxRay, Entries, Node, Packet, Test, WIDTH};
 
 pub(crate) struct Avx512;
@@ -24,8 +24,7 @@ impl Test for Avx512 {
     unsafe fn enter(node: &Node, ray: &Spread, limit: f32) -> (Entries, u32) {
         // SAFETY: as above; the array has the size of a register.
         unsafe {
-            let (near, far) = avx2::slabs(node, ray);
-            let far = _mm256_min_ps(far, _mm256_set1_ps(limit));
+            let (near, far) = avx2::slabs(node, ray, limit);
             let entered = _mm256_cmp_ps_mask::<_CMP_LE_OQ>(near, far);
             let mut entries = [0.0; WIDTH];
             _mm256_storeu_ps(entries.as_mut_ptr(), near);
@@ -33,19 +32,12 @@ impl Test for Avx512 {
         }
     }
 
-    type Aimed = Aimed;
-
     #[inline(always)]
-    unsafe fn aim(aim: &Aim) -> Aimed {
-        // SAFETY: the caller answers for the instruction set, which contains AVX2 and FMA.
-        unsafe { avx2::spread_aim(aim) }
-    }
-
-    #[inline(always)]
-    unsafe fn triangles(packet: &Packet, aim: &Aimed, margin: f32, depths: [f32; 2]) -> u32 {
+    unsafe fn triangles(packet: &Packet, aim: &Aim, margin: f32, depths: [f32; 2]) -> u32 {
         // SAFETY: as above.
         unsafe {
-            let Seen { least, most, low, high } = avx2::see(packet, aim);
+            let seen = avx2::see(packet, aim);
+            let Ranges { least, most, low, high } = seen.ranges();
             let positive = _mm256_cmp_ps_mask::<_CMP_GE_OQ>(least, _mm256_set1_ps(-margin));
             let negative = _mm256_cmp_ps_mask::<_CMP_LE_OQ>(most, _mm256_set1_ps(margin));
             let within = positive | negative;
@@ -53,7 +45,18 @@ impl Test for Avx512 {
                 _mm256_mask_cmp_ps_mask::<_CMP_LE_OQ>(within, low, _mm256_set1_ps(depths[0]));
             let kept =
                 _mm256_mask_cmp_ps_mask::<_CMP_GE_OQ>(starts, high, _mm256_set1_ps(depths[1]));
-            u32::from(kept)
+            if kept == 0 {
+                return 0;
+            }
+            let Closer { margin, depth, slack } = seen.closer(aim, low, high);
+            let minus = _mm256_sub_ps(_mm256_setzero_ps(), margin);
+            let positive = _mm256_mask_cmp_ps_mask::<_CMP_GE_OQ>(kept, least, minus);
+            let negative = _mm256_mask_cmp_ps_mask::<_CMP_LE_OQ>(kept, most, margin);
+            let minus = _mm256_sub_ps(_mm256_setzero_ps(), slack);
+            // Not `>=`: NaN is no reason to reject.
+            let ahead = _mm256_mask_cmp_ps_mask::<_CMP_NLT_UQ>(positive, depth, minus);
+            let behind = _mm256_mask_cmp_ps_mask::<_CMP_NGT_UQ>(negative, depth, slack);
+            u32::from(ahead | behind)
         }
     }
 }

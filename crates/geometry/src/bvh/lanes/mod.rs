@@ -120,18 +120,9 @@ pub(crate) trait Test {
     /// The processor has the instruction set.
     unsafe fn enter(node: &Node, ray: &Self::Spread, limit: f32) -> (Entries, u32);
 
-    /// A line among triangles, spread over the lanes.
-    type Aimed: Copy;
-
-    /// Spreads a line.
-    ///
-    /// # Safety
-    /// The processor has the instruction set.
-    unsafe fn aim(aim: &Aim) -> Self::Aimed;
-
     /// A bit for each triangle that the line may pass, with depths within those of `depths`.
     ///
     /// # Safety
     /// The processor has the instruction set.
-    unsafe fn triangles(packet: &Packet, aim: &Self::Aimed, margin: f32, depths: [f32; 2]) -> u32;
+    unsafe fn triangles(packet: &Packet, aim: &Aim, margin: f32, depths: [f32; 2]) -> u32;
 }

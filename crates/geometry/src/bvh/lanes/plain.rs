@@ -36,13 +36,6 @@ impl Test for Plain {
         (near, entered)
     }
 
-    type Aimed = Aim;
-
-    #[inline(always)]
-    unsafe fn aim(aim: &Aim) -> Aim {
-        *aim
-    }
-
     #[inline(always)]
     unsafe fn triangles(packet: &Packet, aim: &Aim, margin: f32, depths: [f32; 2]) -> u32 {
         let [x, y, z] = aim.axes;
@@ -66,8 +59,34 @@ impl Test for Plain {
             let [i, j, k] = [a[2][lane], b[2][lane], c[2][lane]];
             let starts = i <= depths[0] || j <= depths[0] || k <= depths[0];
             let ends = i >= depths[1] || j >= depths[1] || k >= depths[1];
-            kept |= u32::from(within && starts && ends) << lane;
+            kept |=
+                u32::from(within && starts && ends && closer(aim, [u, v, w], &seen, lane)) << lane;
         }
         kept
     }
+}
+
+/// The second look at a triangle, with margins of its own.
+#[inline(always)]
+fn closer(
+    aim: &Aim,
+    [u, v, w]: [f32; 3],
+    seen: &[[[f32; SIDE_BY_SIDE]; 3]; 3],
+    lane: usize,
+) -> bool {
+    let (mut across, mut along) = (0.0_f32, 0.0_f32);
+    for [x, y, z] in seen {
+        across = across.max(x[lane].abs()).max(y[lane].abs());
+        along = along.max(z[lane].abs());
+    }
+    let error = Aim::ACROSS * across + Aim::ALONG * along + aim.error;
+    let margin = Aim::EDGES * error * (across + error) + f32::MIN_POSITIVE;
+    let depth = u * seen[0][2][lane] + v * seen[1][2][lane] + w * seen[2][2][lane];
+    let depth = if aim.forward { depth } else { -depth };
+    let sum = u.abs() + v.abs() + w.abs();
+    let slack = Aim::DEPTHS * margin * along + sum * error + f32::MIN_POSITIVE;
+    let positive = u >= -margin && v >= -margin && w >= -margin;
+    let negative = u <= margin && v <= margin && w <= margin;
+    // Not `>=`: NaN is no reason to reject.
+    (positive && !(depth < -slack)) || (negative && !(depth > slack))
 }
