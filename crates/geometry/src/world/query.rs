@@ -48,6 +48,7 @@ impl World {
         self.nearest(ray, t_max, departure, contacts, &mut NoCount)
     }
 
+    #[inline]
     fn nearest<C: Counter>(
         &self,
         ray: &Ray,
@@ -56,13 +57,28 @@ impl World {
         contacts: Contacts,
         counter: &mut C,
     ) -> Option<Hit> {
-        if let Some(object) = self.single() {
-            counter.shapes(1);
-            let local = single_ray(object, ray, t_max, departure)?;
-            let root = meet(HitId::NO_INSTANCE, object, &local, contacts)?;
-            let id = HitId { instance: HitId::NO_INSTANCE, object: object.id, part: root.part };
-            return (root.t <= t_max).then_some(Hit { t: root.t, id });
+        let Some(object) = self.single() else {
+            return self.nearest_of_many(ray, t_max, departure, contacts, counter);
+        };
+        if !is_usable(ray, t_max) {
+            return None;
         }
+        counter.shapes(1);
+        let local = single_ray(object, ray, t_max, departure);
+        let root = meet(HitId::NO_INSTANCE, object, &local, contacts)?;
+        let id = HitId { instance: HitId::NO_INSTANCE, object: object.id, part: root.part };
+        (root.t <= t_max).then_some(Hit { t: root.t, id })
+    }
+
+    #[inline(never)]
+    fn nearest_of_many<C: Counter>(
+        &self,
+        ray: &Ray,
+        t_max: f64,
+        departure: Option<&Departure>,
+        contacts: Contacts,
+        counter: &mut C,
+    ) -> Option<Hit> {
         let mut best: Option<Hit> = None;
         self.visit(ray, t_max, departure, counter, |instance, object, local| {
             Some(improve(&mut best, instance, object, local, t_max, contacts))
@@ -160,6 +176,7 @@ impl World {
         found
     }
 
+    #[inline]
     fn any<C: Counter>(
         &self,
         ray: &Ray,
@@ -168,13 +185,28 @@ impl World {
         contacts: Contacts,
         counter: &mut C,
     ) -> Option<HitId> {
-        if let Some(object) = self.single() {
-            counter.shapes(1);
-            let local = single_ray(object, ray, t_max, departure)?;
-            let root = block(HitId::NO_INSTANCE, object, &local, contacts)?;
-            let id = HitId { instance: HitId::NO_INSTANCE, object: object.id, part: root.part };
-            return (root.t < t_max).then_some(id);
+        let Some(object) = self.single() else {
+            return self.any_of_many(ray, t_max, departure, contacts, counter);
+        };
+        if !is_usable(ray, t_max) {
+            return None;
         }
+        counter.shapes(1);
+        let local = single_ray(object, ray, t_max, departure);
+        let root = block(HitId::NO_INSTANCE, object, &local, contacts)?;
+        let id = HitId { instance: HitId::NO_INSTANCE, object: object.id, part: root.part };
+        (root.t < t_max).then_some(id)
+    }
+
+    #[inline(never)]
+    fn any_of_many<C: Counter>(
+        &self,
+        ray: &Ray,
+        t_max: f64,
+        departure: Option<&Departure>,
+        contacts: Contacts,
+        counter: &mut C,
+    ) -> Option<HitId> {
         let mut found = None;
         self.visit(ray, t_max, departure, counter, |instance, object, local| {
             let root = block(instance, object, local, contacts).filter(|root| root.t < t_max);
@@ -459,28 +491,32 @@ pub(super) fn meet(
 
 /// The ray as the only object sees it.
 #[inline]
-fn single_ray(
-    object: &Object,
-    ray: &Ray,
-    t_max: f64,
-    departure: Option<&Departure>,
-) -> Option<LocalRay> {
-    let mut local = scene_ray(ray, t_max)?;
-    local.leaving = departure
-        .filter(|d| d.from.instance == HitId::NO_INSTANCE && d.from.object == object.id)
-        .map(leaving);
-    Some(local)
+fn single_ray(object: &Object, ray: &Ray, t_max: f64, departure: Option<&Departure>) -> LocalRay {
+    LocalRay {
+        origin: ray.origin,
+        direction: ray.direction,
+        error: ray.error,
+        t_max,
+        leaving: departure
+            .filter(|d| d.from.instance == HitId::NO_INSTANCE && d.from.object == object.id)
+            .map(leaving),
+    }
+}
+
+/// Whether a ray is finite and goes somewhere.
+#[inline]
+fn is_usable(ray: &Ray, t_max: f64) -> bool {
+    ray.origin.is_finite()
+        && ray.direction.is_finite()
+        && ray.direction.abs().max_element() > 0.0
+        && ray.error >= 0.0
+        && t_max >= 0.0
 }
 
 /// The ray as a local one; `None` unless it is finite and goes somewhere.
 #[inline]
 pub(super) fn scene_ray(ray: &Ray, t_max: f64) -> Option<LocalRay> {
-    let usable = ray.origin.is_finite()
-        && ray.direction.is_finite()
-        && ray.direction.abs().max_element() > 0.0
-        && ray.error >= 0.0
-        && t_max >= 0.0;
-    usable.then_some(LocalRay {
+    is_usable(ray, t_max).then_some(LocalRay {
         origin: ray.origin,
         direction: ray.direction,
         error: ray.error,
