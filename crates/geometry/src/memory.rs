@@ -20,8 +20,9 @@ pub(crate) fn fitted<T>(mut vector: Vec<T>) -> Vec<T> {
 #[cfg(target_os = "linux")]
 const LARGE: usize = 4 << 20;
 
+/// Asks for large pages, where nothing was written to yet.
 #[cfg(target_os = "linux")]
-fn advise<T>(vector: &Vec<T>) {
+pub(crate) fn advise<T>(vector: &Vec<T>) {
     const PAGE: usize = 4096;
     let (start, bytes) = (vector.as_ptr() as usize, vector.capacity() * size_of::<T>());
     if bytes < LARGE {
@@ -35,5 +36,6 @@ fn advise<T>(vector: &Vec<T>) {
     }
 }
 
+/// There are no large pages to ask for.
 #[cfg(not(target_os = "linux"))]
-fn advise<T>(_: &Vec<T>) {}
+pub(crate) fn advise<T>(_: &Vec<T>) {}

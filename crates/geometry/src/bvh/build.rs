@@ -5,7 +5,7 @@
 //! Every subtree owns a fixed part of the arrays (a range of `n` items needs at most `n - 1` nodes),
 //! so that subtrees can be built by several threads with the same result as by one.
 
-use dioptric_math::DVec3;
+use dioptric_math::{DVec3, Vec4};
 
 use super::{Bvh, Child, Lanes, MAX_DEPTH, Node, WIDTH};
 use crate::bounds::Bounds;
@@ -18,80 +18,120 @@ const VISIT_COST: f64 = 1.5;
 /// Below this many items a second thread costs more than it saves.
 const PARALLEL: usize = 4096;
 
-/// A box in single precision, about the tree's centre.
+/// A box in single precision, about the tree's centre. The fourth numbers mean nothing.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Box32 {
-    min: [f32; 3],
-    max: [f32; 3],
+pub(crate) struct Box32 {
+    min: Vec4,
+    max: Vec4,
 }
 
 impl Box32 {
-    const EMPTY: Self = Self { min: [f32::INFINITY; 3], max: [f32::NEG_INFINITY; 3] };
+    const EMPTY: Self = Self { min: Vec4::INFINITY, max: Vec4::NEG_INFINITY };
 
     /// One step further out than the nearest f32, which also covers the subtraction's rounding.
     pub(super) fn around(b: &Bounds, center: DVec3) -> Self {
-        Self {
-            min: (b.min - center).to_array().map(|x| (x as f32).next_down()),
-            max: (b.max - center).to_array().map(|x| (x as f32).next_up()),
-        }
+        let [x, y, z] = (b.min - center).to_array().map(|x| (x as f32).next_down());
+        let min = Vec4::new(x, y, z, 0.0);
+        let [x, y, z] = (b.max - center).to_array().map(|x| (x as f32).next_up());
+        Self { min, max: Vec4::new(x, y, z, 0.0) }
     }
 
     pub(super) fn is_finite(&self) -> bool {
         // Also false where a corner is NaN.
-        self.min.iter().chain(&self.max).all(|x| x.is_finite())
+        self.min.is_finite() && self.max.is_finite()
     }
 
-    fn grow(&mut self, other: &Self) {
-        for axis in 0..3 {
-            // Not f32's own min and max, which take thrice the time to look for NaN.
-            let (low, high) = (other.min[axis], other.max[axis]);
-            self.min[axis] = if low < self.min[axis] { low } else { self.min[axis] };
-            self.max[axis] = if high > self.max[axis] { high } else { self.max[axis] };
-        }
+    #[inline(always)]
+    fn union(self, other: Self) -> Self {
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
     /// The largest coordinate.
     fn largest(&self) -> f64 {
-        self.min.iter().chain(&self.max).fold(0.0, |m, x| f64::from(x.abs()).max(m))
+        f64::from(self.min.abs().max(self.max.abs()).truncate().max_element())
     }
 
-    /// Half the surface, in f64 so that no scale overflows; 0 where empty.
+    /// The box's middle; halves first, so that it cannot overflow.
+    #[inline(always)]
+    fn center(&self) -> Vec4 {
+        self.min * 0.5 + self.max * 0.5
+    }
+
+    /// Half the surface, in f64 so that few scales overflow; 0 where empty.
+    #[inline(always)]
     fn half_area(&self) -> f64 {
-        let size = |i: usize| (f64::from(self.max[i]) - f64::from(self.min[i])).max(0.0);
-        let (x, y, z) = (size(0), size(1), size(2));
+        let [x, y, z, _] = (self.max - self.min).max(Vec4::ZERO).to_array().map(f64::from);
         x * y + y * z + z * x
     }
 }
 
-#[derive(Clone, Copy)]
-struct Item {
-    bounds: Box32,
-    index: u32,
+/// What a tree is built over: a box about the tree's centre, and a number; eight words, so that memory for them
+/// need not be cleared.
+pub(crate) type Item = [f32; 8];
+
+/// The number is kept among the coordinates; with this bit it is one that no sum takes long with.
+const NUMBER: u32 = 1 << 30;
+
+/// Makes an item. The box is finite and not empty, `number` below [`Bvh::MAX_ITEMS`] or anything for one that
+/// stands alone.
+#[inline(always)]
+pub(crate) fn item(min: [f32; 3], max: [f32; 3], number: u32) -> Item {
+    let number = f32::from_bits(number & (NUMBER - 1) | NUMBER);
+    [min[0], min[1], min[2], number, max[0], max[1], max[2], 0.0]
 }
 
-impl Item {
-    /// The box's middle on one axis; halves first, so that it cannot overflow.
-    fn center(&self, axis: usize) -> f32 {
-        0.5 * self.bounds.min[axis] + 0.5 * self.bounds.max[axis]
-    }
-
-    /// The box's middle.
-    fn centers(&self) -> [f32; 3] {
-        [self.center(0), self.center(1), self.center(2)]
-    }
+/// The number of an item.
+#[inline(always)]
+pub(crate) fn number(item: &Item) -> u32 {
+    item[3].to_bits() & (NUMBER - 1)
 }
 
-/// A split in two.
-#[derive(Clone, Copy)]
-struct Split2 {
-    bounds: [Box32; 2],
-    children: [Child; 2],
+/// The largest extent of an item along an axis.
+#[inline(always)]
+pub(crate) fn extent(item: &Item) -> f32 {
+    (item[4] - item[0]).max(item[5] - item[1]).max(item[6] - item[2])
+}
+
+#[inline(always)]
+fn box_of(item: &Item) -> Box32 {
+    let [a, b, c, d, e, f, g, h] = *item;
+    Box32 { min: Vec4::new(a, b, c, d), max: Vec4::new(e, f, g, h) }
+}
+
+/// A split in two: the boxes of both sides and their children, as words for the same reason.
+type Split2 = [u32; 16];
+
+fn pack(left: &Built, right: &Built) -> Split2 {
+    let mut words = [0; 16];
+    for (half, side) in words.chunks_exact_mut(8).zip([left, right]) {
+        let numbers = side.bounds.min.to_array().into_iter().take(3);
+        let numbers = numbers.chain(side.bounds.max.to_array().into_iter().take(3));
+        for (word, x) in half.iter_mut().zip(numbers) {
+            *word = x.to_bits();
+        }
+        half[7] = side.child.0;
+    }
+    words
+}
+
+fn unpack(words: &Split2) -> [Built; 2] {
+    let side = |at: usize| {
+        let x = |i: usize| f32::from_bits(words[at + i]);
+        Built {
+            child: Child(words[at + 7]),
+            bounds: Box32 {
+                min: Vec4::new(x(0), x(1), x(2), 0.0),
+                max: Vec4::new(x(3), x(4), x(5), 0.0),
+            },
+        }
+    };
+    [side(0), side(8)]
 }
 
 /// What the leaves cost.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Costs {
-    /// How many items are tested at once.
+    /// How many items are tested at once: 1, 2, 4 or 8.
     pub block: usize,
     /// The cost of a split, in such tests.
     pub visit: f64,
@@ -101,8 +141,9 @@ impl Costs {
     /// Items that are tested one by one.
     pub const SINGLE: Self = Self { block: 1, visit: VISIT_COST };
 
-    fn tests(&self, items: usize) -> f64 {
-        items.div_ceil(self.block) as f64
+    #[inline(always)]
+    fn tests(&self, items: u32) -> f64 {
+        f64::from((items + (self.block as u32 - 1)) >> self.block.trailing_zeros())
     }
 }
 
@@ -111,25 +152,62 @@ pub(super) fn build(
     center: DVec3,
     costs: Costs,
 ) -> (Bvh, Vec<u32>) {
-    let mut items: Vec<Item> = boxes
+    let items = boxes
         .take(Bvh::MAX_ITEMS)
         .zip(0..)
-        .map(|(b, index)| Item { bounds: Box32::around(&b, center), index })
+        .map(|(b, index)| {
+            let b = Box32::around(&b, center);
+            item(b.min.truncate().to_array(), b.max.truncate().to_array(), index)
+        })
         .collect();
+    let (bvh, items) = build_items(items, center, costs);
+    (bvh, items.iter().map(number).collect())
+}
+
+/// Builds a tree over items, whose boxes are about `center`; returns them in the order of the leaves.
+pub(crate) fn build_items(mut items: Vec<Item>, center: DVec3, costs: Costs) -> (Bvh, Vec<Item>) {
+    items.truncate(Bvh::MAX_ITEMS);
     let mut bvh = Bvh { nodes: Vec::new(), center, extent: 0.0, depth: 1, lanes: Lanes::best() };
     if items.is_empty() {
-        return (bvh, Vec::new());
+        return (bvh, items);
     }
-    let unused = Split2 { bounds: [Box32::EMPTY; 2], children: [Child::default(); 2] };
-    let mut splits = vec![unused; items.len() - 1];
-    let root = Range { items: &mut items, first: 0, splits: &mut splits, base: 0, depth: 0, costs }
-        .build();
+    // Cleared by the system, where it is looked at.
+    let mut splits = vec![[0; 16]; items.len() - 1];
+    crate::memory::advise(&splits);
+    let (bounds, centers) = around_all(&items);
+    let root = Range {
+        items: &mut items,
+        first: 0,
+        splits: &mut splits,
+        base: 0,
+        depth: 0,
+        costs,
+        bounds,
+        centers,
+    }
+    .build();
     bvh.extent = root.bounds.largest();
-    let order = items.iter().map(|item| item.index).collect();
-    drop(items);
     widen(&mut bvh, &splits, &root);
     bvh.nodes = crate::memory::fitted(std::mem::take(&mut bvh.nodes));
-    (bvh, order)
+    (bvh, items)
+}
+
+/// The box around items, and the one around their centres.
+fn around_all(items: &[Item]) -> (Box32, Box32) {
+    let run = |items: &[Item]| {
+        let mut all = (Box32::EMPTY, Box32::EMPTY);
+        for b in items.iter().map(box_of) {
+            let c = b.center();
+            all = (all.0.union(b), all.1.union(Box32 { min: c, max: c }));
+        }
+        all
+    };
+    if items.len() >= PARALLEL && rayon::current_thread_index().is_some() {
+        let (left, right) = items.split_at(items.len() / 2);
+        let (left, right) = rayon::join(|| around_all(left), || around_all(right));
+        return (left.0.union(right.0), left.1.union(right.1));
+    }
+    run(items)
 }
 
 /// A built subtree.
@@ -149,48 +227,57 @@ struct Range<'a> {
     base: u32,
     depth: usize,
     costs: Costs,
+    /// Around the items, and around their centres.
+    bounds: Box32,
+    centers: Box32,
+}
+
+/// Items in two parts: the number of the first ones, and the boxes of both, as of [`Range`].
+struct Parts {
+    middle: usize,
+    bounds: [Box32; 2],
+    centers: [Box32; 2],
 }
 
 impl Range<'_> {
     fn build(self) -> Built {
         let n = self.items.len();
-        let mut bounds = Box32::EMPTY;
-        let mut centers = Box32::EMPTY;
-        for item in self.items.iter() {
-            bounds.grow(&item.bounds);
-            let c = item.centers();
-            centers.grow(&Box32 { min: c, max: c });
-        }
+        let bounds = self.bounds;
         let leaf = Built { child: Child::leaf(self.first as usize, n.min(MAX_LEAF)), bounds };
-        if n == 1 {
+        // What is tested at once anyway is not worth a look.
+        if n <= self.costs.block {
             return leaf;
         }
         // Halving from here on must end within the depth that the traversal's stack allows.
         let levels_left = MAX_DEPTH - self.depth;
         let must_halve = n.ilog2() as usize + 2 >= levels_left;
-        let split = if must_halve { None } else { Split::best(self.items, &centers, &self.costs) };
-        let middle = match split {
+        let split =
+            if must_halve { None } else { Split::best(self.items, &self.centers, &self.costs) };
+        let parts = match split {
             Some(s) => {
                 let cost = self.costs.visit * bounds.half_area() + s.cost;
-                if n <= MAX_LEAF && cost >= self.costs.tests(n) * bounds.half_area() {
+                if n <= MAX_LEAF && cost >= self.costs.tests(n as u32) * bounds.half_area() {
                     return leaf;
                 }
                 s.partition(self.items)
             }
             None if n <= MAX_LEAF => return leaf,
-            None => halve(self.items, &centers),
+            None => halve(self.items, &self.centers),
         };
+        let middle = parts.middle;
         let (left, right) = self.items.split_at_mut(middle);
         let Some((split, rest)) = self.splits.split_first_mut() else { return leaf };
         let (left_splits, right_splits) = rest.split_at_mut(middle - 1);
-        let depth = self.depth + 1;
+        let (depth, costs) = (self.depth + 1, self.costs);
         let left = Range {
             items: left,
             first: self.first,
             splits: left_splits,
             base: self.base + 1,
             depth,
-            costs: self.costs,
+            costs,
+            bounds: parts.bounds[0],
+            centers: parts.centers[0],
         };
         let right = Range {
             items: right,
@@ -198,7 +285,9 @@ impl Range<'_> {
             splits: right_splits,
             base: self.base + middle as u32,
             depth,
-            costs: self.costs,
+            costs,
+            bounds: parts.bounds[1],
+            centers: parts.centers[1],
         };
         // Outside a pool `join` would start the global one.
         let (left, right) = if n >= PARALLEL && rayon::current_thread_index().is_some() {
@@ -206,32 +295,54 @@ impl Range<'_> {
         } else {
             (left.build(), right.build())
         };
-        *split =
-            Split2 { bounds: [left.bounds, right.bounds], children: [left.child, right.child] };
+        *split = pack(&left, &right);
         Built { child: Child::inner(self.base as usize), bounds }
     }
 }
 
-/// Which bin an item falls into.
+/// Which bins an item falls into, on all axes.
 #[derive(Clone, Copy)]
 struct Binning {
-    axis: usize,
-    low: f32,
-    scale: f32,
-    last: usize,
+    low: Vec4,
+    scale: Vec4,
+    last: Vec4,
 }
 
 impl Binning {
-    fn bin(&self, item: &Item) -> usize {
+    fn new(centers: &Box32, bins: usize) -> Self {
+        let width = centers.max - centers.min;
+        let scale = width.to_array().map(|w| if w > 0.0 { bins as f32 / w } else { 0.0 });
+        Self {
+            low: centers.min,
+            scale: Vec4::from_array(scale),
+            last: Vec4::splat((bins - 1) as f32),
+        }
+    }
+
+    #[inline(always)]
+    fn bins(&self, center: Vec4) -> [u32; 4] {
         // A NaN (0 times infinity, in boxes of nearly no size) becomes 0.
-        (((item.center(self.axis) - self.low) * self.scale) as usize).min(self.last)
+        whole(((center - self.low) * self.scale).max(Vec4::ZERO).min(self.last))
     }
 }
 
+/// The whole parts of numbers between 0 and [`BINS`].
+#[inline(always)]
+fn whole(x: Vec4) -> [u32; 4] {
+    // Added to this number, whole parts are the lowest bits.
+    const SHIFT: f32 = (1 << 23) as f32;
+    // Rounds to the nearest, or up: half less is the part that is meant, or for whole numbers perhaps one less.
+    let shifted = (x - Vec4::splat(0.499_999_97)).max(Vec4::ZERO) + Vec4::splat(SHIFT);
+    shifted.to_array().map(|x| x.to_bits() & 31)
+}
+
+#[derive(Clone, Copy)]
 struct Split {
     binning: Binning,
+    axis: usize,
     /// The first bin of the right side.
-    bin: usize,
+    bin: u32,
+    bounds: [Box32; 2],
     /// Items times half areas, both sides.
     cost: f64,
 }
@@ -239,70 +350,85 @@ struct Split {
 impl Split {
     /// The cheapest split between two bins on any axis; `None` where all centres are one point.
     fn best(items: &[Item], centers: &Box32, costs: &Costs) -> Option<Self> {
-        let mut best: Option<Self> = None;
+        // A few items need no more bins than that.
+        let used = items.len().clamp(4, BINS);
+        let binning = Binning::new(centers, used);
+        let mut bins = [[Box32::EMPTY; BINS]; 3];
+        let mut counts = [[0_u32; BINS]; 3];
+        for b in items.iter().map(box_of) {
+            let [x, y, z, _] = binning.bins(b.center()).map(|bin| bin as usize % BINS);
+            bins[0][x] = bins[0][x].union(b);
+            bins[1][y] = bins[1][y].union(b);
+            bins[2][z] = bins[2][z].union(b);
+            counts[0][x] += 1;
+            counts[1][y] += 1;
+            counts[2][z] += 1;
+        }
+        let mut best: Option<(f64, usize, usize)> = None;
         for axis in 0..3 {
-            let low = centers.min[axis];
-            let width = centers.max[axis] - low;
-            if !(width > 0.0) {
+            if !(binning.scale[axis] > 0.0) {
                 continue;
             }
-            // A few items need no more bins than that.
-            let used = items.len().clamp(4, BINS);
-            let binning = Binning { axis, low, scale: used as f32 / width, last: used - 1 };
-            let mut bins = [(Box32::EMPTY, 0usize); BINS];
-            for item in items {
-                let (bounds, count) = &mut bins[binning.bin(item)];
-                bounds.grow(&item.bounds);
-                *count += 1;
-            }
+            let (bins, counts) = (&bins[axis], &counts[axis]);
             // Right to left: what lies right of each boundary; then left to right.
             let mut right = [0.0; BINS];
             let (mut bounds, mut count) = (Box32::EMPTY, 0);
             for bin in (1..used).rev() {
-                bounds.grow(&bins[bin].0);
-                count += bins[bin].1;
+                bounds = bounds.union(bins[bin]);
+                count += counts[bin];
                 right[bin] = bounds.half_area() * costs.tests(count);
             }
             let (mut bounds, mut count) = (Box32::EMPTY, 0);
             for bin in 1..used {
-                bounds.grow(&bins[bin - 1].0);
-                count += bins[bin - 1].1;
+                bounds = bounds.union(bins[bin - 1]);
+                count += counts[bin - 1];
                 let cost = bounds.half_area() * costs.tests(count) + right[bin];
-                let one_side = count == 0 || count == items.len();
-                if !one_side && best.as_ref().is_none_or(|b| cost < b.cost) {
-                    best = Some(Self { binning, bin, cost });
+                let one_side = count == 0 || count as usize == items.len();
+                if !one_side && best.is_none_or(|b| cost < b.0) {
+                    best = Some((cost, axis, bin));
                 }
             }
         }
-        best
+        let (cost, axis, bin) = best?;
+        let (left, right) = bins[axis].split_at(bin);
+        let bounds = [left, right].map(|side| side.iter().fold(Box32::EMPTY, |a, b| a.union(*b)));
+        Some(Self { binning, axis, bin: bin as u32, bounds, cost })
     }
 
-    /// Moves the left side's items to the front and returns their number.
-    fn partition(&self, items: &mut [Item]) -> usize {
-        let mut left = 0;
+    /// Moves the left side's items to the front.
+    fn partition(&self, items: &mut [Item]) -> Parts {
+        let mut middle = 0;
+        let mut centers = [Box32::EMPTY; 2];
         for i in 0..items.len() {
-            if self.binning.bin(&items[i]) < self.bin {
-                items.swap(left, i);
-                left += 1;
-            }
+            let item = items[i];
+            let c = box_of(&item).center();
+            let on_left = self.binning.bins(c)[self.axis] < self.bin;
+            let side = &mut centers[usize::from(!on_left)];
+            *side = side.union(Box32 { min: c, max: c });
+            // No branch: which side comes next cannot be foreseen.
+            items[i] = items[middle];
+            items[middle] = item;
+            middle += usize::from(on_left);
         }
-        left
+        Parts { middle, bounds: self.bounds, centers }
     }
 }
 
 /// Splits at the median of the centres on the widest axis.
-fn halve(items: &mut [Item], centers: &Box32) -> usize {
+fn halve(items: &mut [Item], centers: &Box32) -> Parts {
     let middle = items.len() / 2;
-    let width = |axis: usize| centers.max[axis] - centers.min[axis];
-    let axis = (0..3).fold(0, |a, b| if width(b) > width(a) { b } else { a });
-    if width(axis) > 0.0 {
-        let key = |item: &Item| (item.center(axis), item.index);
+    let width = centers.max - centers.min;
+    let axis = (0..3).fold(0, |a, b| if width[b] > width[a] { b } else { a });
+    if width[axis] > 0.0 {
+        let key = |item: &Item| (box_of(item).center()[axis], number(item));
         items.select_nth_unstable_by(middle, |a, b| {
             let ((a, i), (b, j)) = (key(a), key(b));
             a.total_cmp(&b).then(i.cmp(&j))
         });
     }
-    middle
+    let (left, right) = items.split_at(middle);
+    let [left, right] = [left, right].map(around_all);
+    Parts { middle, bounds: [left.0, right.0], centers: [left.1, right.1] }
 }
 
 /// What becomes a node, how deep it will be, and the node and lane that refer to it.
@@ -326,8 +452,7 @@ fn widen(bvh: &mut Bvh, splits: &[Split2], root: &Built) {
             let largest = inner.max_by(|a, b| area(a.0).total_cmp(&area(b.0)));
             let Some((largest, index)) = largest else { break };
             let Some(split) = splits.get(index) else { break };
-            let [left, right] =
-                [0, 1].map(|i| Built { child: split.children[i], bounds: split.bounds[i] });
+            let [left, right] = unpack(split);
             parts[largest] = left;
             parts[used] = right;
             used += 1;

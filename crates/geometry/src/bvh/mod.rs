@@ -8,7 +8,7 @@
 //! [`BoxRay`] widens them by a pad that bounds every error of the test and of what lies in the leaves.
 //! Boxes are tested eight at a time, with the best instructions that the processor has ([`Lanes`]).
 
-mod build;
+pub(crate) mod build;
 #[allow(unsafe_code)]
 pub(crate) mod lanes;
 pub mod packet;
@@ -106,15 +106,6 @@ impl Bvh {
     #[must_use]
     pub fn build(boxes: impl ExactSizeIterator<Item = Bounds>, center: DVec3) -> (Self, Vec<u32>) {
         build::build(boxes, center, Costs::SINGLE)
-    }
-
-    /// The same with other costs.
-    pub(crate) fn build_with(
-        boxes: impl ExactSizeIterator<Item = Bounds>,
-        center: DVec3,
-        costs: Costs,
-    ) -> (Self, Vec<u32>) {
-        build::build(boxes, center, costs)
     }
 
     /// Whether a box is finite and not empty, also in single precision about `center`.

@@ -7,8 +7,8 @@
 
 use super::line::Corners;
 
-/// What is summed up over all triangles.
-#[derive(Clone, Copy, Debug, Default)]
+/// What is summed up over all triangles; sums of parts may be added in any order.
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Boundary {
     sum: u64,
 }
@@ -20,6 +20,14 @@ impl Boundary {
         let [a, b, c] = corners.map(hash);
         self.sum =
             self.sum.wrapping_add(edge(a, b)).wrapping_add(edge(b, c)).wrapping_add(edge(c, a));
+    }
+
+    /// No triangle.
+    pub const NONE: Self = Self { sum: 0 };
+
+    /// The sum over both parts.
+    pub const fn and(self, other: Self) -> Self {
+        Self { sum: self.sum.wrapping_add(other.sum) }
     }
 
     /// Whether nothing is left open.

@@ -4,6 +4,7 @@
 //! The corners are the f32 numbers of [`MeshData`], exactly. A part is the index of a triangle. Triangles
 //! with bad indices, with numbers that are not finite and without area are left out.
 
+mod build;
 mod closed;
 mod line;
 #[allow(unsafe_code)]
@@ -11,15 +12,13 @@ mod query;
 mod surface;
 
 use dioptric_math::DVec3;
-use dioptric_math::bounds::gamma;
 
 use crate::bounds::Bounds;
-use crate::bvh::triangles::{Packet, SIDE_BY_SIDE};
-use crate::bvh::{Bvh, Costs, Lanes};
+use crate::bvh::triangles::Packet;
+use crate::bvh::{Bvh, Lanes};
 use crate::mesh_data::MeshData;
 use crate::ray::LocalRay;
 use crate::shape::{Crossing, LocalSurface, Root, Shape, SurfacePoint};
-use closed::Boundary;
 use line::Corners;
 
 /// Indexed triangles, ready to be hit.
@@ -57,63 +56,7 @@ impl Mesh {
     /// mesh is the same for any number of threads.
     #[must_use]
     pub fn new(data: MeshData) -> Self {
-        let mut kept = Vec::with_capacity(data.triangles.len());
-        let mut tight = Bounds::EMPTY;
-        let mut boundary = Boundary::default();
-        let mut volume = 0.0;
-        for part in 0..data.triangles.len() as u32 {
-            let Some(corners) = corners(&data, part) else { continue };
-            boundary.add(&corners);
-            if line::normal(&corners) == DVec3::ZERO {
-                continue;
-            }
-            let [a, b, c] = corners.map(line::exact);
-            volume += a.dot(b.cross(c));
-            tight = tight.union(Bounds::of([a, b, c]));
-            kept.push(part);
-        }
-        let boxes = kept.iter().map(|&part| {
-            let corners = corners(&data, part).unwrap_or_default();
-            Bounds::of(corners.map(line::exact))
-        });
-        let center = if tight.is_empty() { DVec3::ZERO } else { tight.center() };
-        let (mut bvh, order) = Bvh::build_with(boxes, center, COSTS);
-        let sizes = kept.iter().filter_map(|&part| corners(&data, part)).map(|c| edge(&c));
-        let edge_limit = LARGE_SIZE * sizes.sum::<f64>() / kept.len().max(1) as f64;
-        let mut packets = Vec::new();
-        bvh.map_leaves(|range| {
-            let first = packets.len();
-            let mut large = false;
-            let parts = order.get(range).unwrap_or_default();
-            for some in parts.chunks(SIDE_BY_SIDE) {
-                let mut packet = Packet::EMPTY;
-                for (lane, &index) in some.iter().enumerate() {
-                    let Some(&part) = kept.get(index as usize) else { continue };
-                    let Some(corners) = corners(&data, part) else { continue };
-                    large |= edge(&corners) > edge_limit;
-                    packet.set(lane, &corners, part);
-                }
-                packets.push(packet);
-            }
-            (if large { first | LARGE } else { first }, packets.len() - first)
-        });
-        let largest =
-            if tight.is_empty() { 0.0 } else { tight.min.abs().max(tight.max.abs()).max_element() };
-        let error = gamma(16) * largest;
-        let bounds = Bounds { min: tight.min - error, max: tight.max + error };
-        let closed = boundary.is_closed() && !kept.is_empty();
-        Self {
-            data,
-            bvh,
-            packets: crate::memory::fitted(packets),
-            count: kept.len(),
-            edge: edge_limit,
-            bounds,
-            largest,
-            error,
-            closed,
-            inverted: closed && volume < 0.0,
-        }
+        Self::build(data)
     }
 
     /// The triangles, as they were given.
@@ -139,23 +82,8 @@ impl Mesh {
     }
 }
 
-/// Triangles are tested a packet at a time.
-const COSTS: Costs = Costs { block: SIDE_BY_SIDE, visit: 0.4 };
-
 /// Marks leaves with large triangles, in the index of their first packet.
 const LARGE: usize = Bvh::MAX_ITEMS >> 1;
-/// How many times longer than the mean an edge is that makes a triangle large.
-const LARGE_SIZE: f64 = 4.0;
-
-/// The largest extent of a triangle along an axis.
-fn edge(corners: &Corners) -> f64 {
-    let size = |axis: usize| {
-        let [a, b, c] = corners.map(|corner| f64::from(corner[axis]));
-        a.max(b).max(c) - a.min(b).min(c)
-    };
-    size(0).max(size(1)).max(size(2))
-}
-
 /// The corners of a triangle; `None` where there are none, or not finite ones.
 fn corners(data: &MeshData, part: u32) -> Option<Corners> {
     let indices = data.triangles.get(part as usize)?;

@@ -51,13 +51,13 @@ pub(super) unsafe fn slabs(node: &Node, ray: &Spread, limit: f32) -> (__m256, __
 #[inline(always)]
 pub(super) unsafe fn spread(ray: &BoxRay) -> Spread {
     // SAFETY: the caller answers for the instruction set.
-    let all =
-        |x: [f32; 3]| unsafe { [_mm256_set1_ps(x[0]), _mm256_set1_ps(x[1]), _mm256_set1_ps(x[2])] };
-    Spread {
-        near: all(ray.near),
-        far: all(ray.far),
-        inverse: all(ray.inverse),
-        first: [ray.negative[0] & 1, 2 | (ray.negative[1] & 1), 4 | (ray.negative[2] & 1)],
+    unsafe {
+        Spread {
+            near: all(ray.near),
+            far: all(ray.far),
+            inverse: all(ray.inverse),
+            first: [ray.negative[0] & 1, 2 | (ray.negative[1] & 1), 4 | (ray.negative[2] & 1)],
+        }
     }
 }
 
