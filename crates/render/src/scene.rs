@@ -4,8 +4,10 @@
 use std::ops::Deref;
 use std::sync::Arc;
 
+use dioptric_geometry::pool::Pooled;
+use dioptric_geometry::shapes::{cone::Cone, cylinder::Cylinder};
 use dioptric_geometry::world::{Hit, Surface, World};
-use dioptric_geometry::{HitId, Ray, SurfacePoint};
+use dioptric_geometry::{AnyShape, HitId, Ray, SurfacePoint};
 use dioptric_image::Develop;
 use dioptric_math::Spectrum;
 use dioptric_scene::{Description, NodeId};
@@ -214,6 +216,20 @@ impl Scene {
         match self.instances.get(id.instance as usize) {
             Some(&instance) => format!("{} / {object}", self.description.label(instance)),
             None => object,
+        }
+    }
+
+    /// Which of the many things that are one object was hit: `triangle 12`, `sphere 3`, counted from 0; nothing
+    /// for other objects.
+    #[must_use]
+    pub fn part_label(&self, id: HitId) -> Option<String> {
+        let part = id.part;
+        match self.world.shape(id.object)? {
+            AnyShape::Mesh(_) => Some(format!("triangle {part}")),
+            AnyShape::Spheres(_) => Some(format!("sphere {part}")),
+            AnyShape::Cylinders(_) => Some(format!("cylinder {}", part >> Cylinder::PART_BITS)),
+            AnyShape::Cones(_) => Some(format!("cone {}", part >> Cone::PART_BITS)),
+            _ => None,
         }
     }
 

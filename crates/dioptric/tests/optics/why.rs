@@ -168,6 +168,22 @@ fn a_ray_tells_all_about_itself() {
     assert_eq!(json["children"][0]["weight"], serde_json::json!([0.5, 0.5, 0.5]));
 }
 
+/// Of shapes in bulk it says which of the many things is hit.
+#[test]
+fn triangles_and_atoms_are_told_apart() {
+    let scene = scene(
+        "render(size = (3, 1), antialias = \"none\")\ncamera(eye = (0, 0, 9), fov = 10)\nlight(position = (5, 5, 5))\n\
+         spheres(centers = [(-1.2, 5, 0), (-1.2, 0, 0)], radius = 0.5)\n\
+         cylinders(ends = [((0, 3, 0), (0, 4, 0)), ((9, 0, 0), (9, 1, 0)), ((0, -1, 0), (0, 1, 0))], radius = 0.5)\n\
+         mesh(points = [(1, -1, 0), (2, -1, 0), (2, 1, 0), (1, 1, 0)], faces = [[0, 1, 2, 3]])",
+    );
+    for (x, part) in [(0, "sphere 1"), (1, "cylinder 2"), (2, "triangle ")] {
+        let json = serde_json::to_value(pixel(&scene, x, 0)).unwrap();
+        let told = json["samples"][0]["ray"]["part"].as_str().unwrap_or_default();
+        assert!(told.starts_with(part), "{told} is not {part}");
+    }
+}
+
 /// Every key that the program writes stands on the manual's page, and the numbers of its example are the
 /// program's.
 #[test]

@@ -373,6 +373,9 @@ pub(super) fn record(
 ) -> HitRecord {
     let mut detail = serde_json::Map::new();
     let mut put = |key: &str, value| drop(detail.insert(key.into(), value));
+    if let Some(part) = scene.part_label(point.hit.id) {
+        put("part", json!(part));
+    }
     if let Some((s, p)) = scene.surface_and_point(&point.ray, &point.hit) {
         put("point", json!(s.point.to_array()));
         put("point_in_file", json!(p.world.to_array()));

@@ -7,7 +7,8 @@ use serde_json::{Map, Value};
 pub(super) fn met(node: &Value) -> String {
     match node["object"].as_str() {
         Some(object) => {
-            format!("hits {object}{} at t {}", source(&node["source"]), number(&node["t"]))
+            let part = node["part"].as_str().map(|p| format!(", {p},")).unwrap_or_default();
+            format!("hits {object}{}{part} at t {}", source(&node["source"]), number(&node["t"]))
         }
         None => "leaves the scene".into(),
     }
@@ -22,7 +23,8 @@ fn source(place: &Value) -> String {
 }
 
 /// Keys of a ray that are shown in a way of their own, or repeat another one.
-const SHOWN: &[&str] = &["kind", "object", "source", "t", "terms", "children", "value", "origin"];
+const SHOWN: &[&str] =
+    &["kind", "object", "part", "source", "t", "terms", "children", "value", "origin"];
 
 /// The order of those facts that every hit has; others follow.
 const ORDER: &[&str] = &[
