@@ -6,6 +6,7 @@
 
 mod glass;
 mod invariance;
+mod mesh;
 mod mirror;
 mod parts;
 mod shadow;
