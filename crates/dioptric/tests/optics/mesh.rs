@@ -28,10 +28,8 @@ fn assert_alike(one: &str, other: &str) {
     let count = a.iter().zip(&b).filter(|&pair| differ(pair)).count();
     assert!(count <= 3, "{count} pixels differ: {one}\n{other}");
     let empty = colors("");
-    assert!(
-        a.iter().zip(&empty).filter(|&pair| differ(pair)).count() > 200,
-        "nothing is seen of it"
-    );
+    let seen = a.iter().zip(&empty).filter(|&pair| differ(pair)).count();
+    assert!(seen > 50, "it is seen in {seen} pixels: {one}");
 }
 
 const POINTS: &str = "points = [(x, y, z) for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)]";
