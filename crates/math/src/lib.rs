@@ -7,10 +7,12 @@
 //! operations are correctly rounded by IEEE 754 and may be used as they are.
 
 pub mod bounds;
+mod power;
 pub mod random;
 
 pub use glam::{DAffine3, DMat3, DVec2, DVec3, DVec4, Vec4};
 pub use libm::{acos, asin, atan, atan2, cbrt, cos, exp, exp2, log2, log10, pow, sin, tan, tanh};
+pub use power::unit_power;
 
 /// Light as three linear lanes (Rec. 709 primaries): radiance, or a weight that multiplies it.
 pub type Spectrum = DVec3;
@@ -43,9 +45,13 @@ pub fn powi(x: f64, n: u32) -> f64 {
 
 /// A unit vector for `v`, or `None` where `v` is zero, infinite or NaN.
 ///
-/// Scales by the largest component first, so that vectors of length 1e-200 or 1e200 work.
+/// Vectors of length 1e-200 or 1e200 work, too: they are scaled by the largest component first.
 #[must_use]
 pub fn normalize(v: DVec3) -> Option<DVec3> {
+    let length2 = v.length_squared();
+    if (1e-200..=1e200).contains(&length2) {
+        return Some(v / length2.sqrt());
+    }
     let largest = v.abs().max_element();
     if !(largest > 0.0 && largest.is_finite()) {
         return None;
@@ -88,7 +94,7 @@ mod tests {
 
     #[test]
     fn normalize_survives_extreme_lengths() {
-        for s in [1e-300, 1e-160, 1.0, 1e160, 1e300] {
+        for s in [1e-300, 1e-160, 1e-101, 1e-99, 1.0, 1e99, 1e101, 1e160, 1e300] {
             let n = normalize(DVec3::new(3.0, 0.0, 4.0) * s).unwrap();
             assert!((n - DVec3::new(0.6, 0.0, 0.8)).length() < 1e-15, "scale {s}");
         }

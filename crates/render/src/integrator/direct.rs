@@ -4,7 +4,7 @@
 
 use dioptric_geometry::HitId;
 use dioptric_geometry::world::Query;
-use dioptric_math::{DVec3, Spectrum, normalize, pow, powi};
+use dioptric_math::{DVec3, Spectrum, normalize, powi, unit_power};
 use serde_json::{Value, json};
 
 use super::point::{Leg, Point};
@@ -300,8 +300,8 @@ fn strength(highlight: &Highlight, normal: DVec3, to_light: DVec3, to_viewer: DV
         }
     };
     let (base, n) = (base.clamp(0.0, 1.0), highlight.exponent);
-    // Most exponents are small whole numbers: squaring is much faster than the general power.
+    // Most exponents are small whole numbers: squaring is even faster than the power of numbers up to 1.
     let whole = n.trunc() == n && (0.0..=4096.0).contains(&n);
-    let strength = if whole { powi(base, n as u32) } else { pow(base, n) };
+    let strength = if whole { powi(base, n as u32) } else { unit_power(base, n) };
     if strength < FAINTEST { 0.0 } else { strength }
 }
