@@ -107,6 +107,16 @@ fn ply_elements_in_any_order_with_unknown_ones_between() {
 }
 
 #[test]
+fn lines_may_end_as_windows_ends_them() {
+    let header =
+        format!("ply\nformat binary_little_endian 1.0\nelement vertex 1\n{XYZ}\nend_header\n");
+    let header = header.replace("; ", "\n").replace('\n', "\r\n");
+    let numbers: Vec<u8> = [1.0_f32, 2.0, 3.0].iter().flat_map(|x| x.to_le_bytes()).collect();
+    let mesh = model("a.ply", [header.as_bytes(), &numbers].concat()).mesh;
+    assert_eq!(mesh.positions, [[1.0, 2.0, 3.0]]);
+}
+
+#[test]
 fn strips_and_points_alone() {
     let header = format!(
         "element vertex 5; {XYZ}; element tristrips 1; property list int int vertex_indices"
