@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Pools against the same things as single shapes.
 
+use dioptric_geometry::bvh::Lanes;
 use dioptric_geometry::pool::{Cones, Cylinders, Pool, Pooled, Spheres};
 use dioptric_geometry::shapes::{cone::Cone, cylinder::Cylinder, sphere::Sphere};
 use dioptric_geometry::{Leaving, LocalRay, Root, Shape};
@@ -13,6 +14,11 @@ fn vector(random: &mut Random, size: f64) -> DVec3 {
 
 fn check<S: Pooled>(things: &[S]) {
     let pool = Pool::new(things.to_vec()).unwrap();
+    let others = [Lanes::Plain, Lanes::Avx2].map(|lanes| {
+        let mut pool = pool.clone();
+        pool.use_lanes(lanes);
+        pool
+    });
     assert_eq!(pool.len(), things.len());
     let mut random = Random::new(21);
     let mut hits = 0;
@@ -31,6 +37,9 @@ fn check<S: Pooled>(things: &[S]) {
         }
         let found = pool.intersect(&ray);
         assert_eq!(found, best);
+        assert!(others.iter().all(|pool| pool.intersect(&ray) == found));
+        let blocked = found.is_some_and(|root| root.t < t_max);
+        assert_eq!(pool.blocks(&ray).is_some(), blocked);
         let Some(root) = found else { continue };
         hits += 1;
         let own = root.part & ((1 << S::PART_BITS) - 1);

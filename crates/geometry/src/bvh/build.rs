@@ -80,6 +80,13 @@ pub(crate) fn item(min: [f32; 3], max: [f32; 3], number: u32) -> Item {
     [min[0], min[1], min[2], number, max[0], max[1], max[2], 0.0]
 }
 
+/// The item of a box; `None` where the box is empty, or not finite in single precision.
+pub(crate) fn item_around(bounds: &Bounds, center: DVec3, number: u32) -> Option<Item> {
+    let b = Box32::around(bounds, center);
+    (!bounds.is_empty() && b.is_finite())
+        .then(|| item(b.min.truncate().to_array(), b.max.truncate().to_array(), number))
+}
+
 /// The number of an item.
 #[inline(always)]
 pub(crate) fn number(item: &Item) -> u32 {

@@ -8,6 +8,7 @@
 //! [`BoxRay`] widens them by a pad that bounds every error of the test and of what lies in the leaves.
 //! Boxes are tested eight at a time, with the best instructions that the processor has ([`Lanes`]).
 
+pub(crate) mod balls;
 pub(crate) mod build;
 #[allow(unsafe_code)]
 pub(crate) mod lanes;
@@ -131,6 +132,11 @@ impl Bvh {
             let (first, count) = new(child.items());
             *child = Child::leaf(first, count);
         }
+    }
+
+    /// The largest coordinate of the boxes, about the centre.
+    pub(crate) const fn extent(&self) -> f64 {
+        self.extent
     }
 
     /// Bytes on the heap.

@@ -4,10 +4,22 @@
 //! Each is the exact shape that it is alone, and each is a surface of its own: a pool is not solid, even
 //! where what is in it is.
 
+#![allow(unsafe_code)]
+
+use std::marker::PhantomData;
+use std::ops::Range;
+
 use dioptric_math::DVec3;
+use dioptric_math::bounds::gamma;
+use rayon::prelude::*;
 
 use crate::bounds::Bounds;
-use crate::bvh::{BoxRay, Bvh, NoCount};
+use crate::bvh::balls::{BALLS, BallRay, Balls};
+use crate::bvh::build::{Item, build_items, item_around, number};
+use crate::bvh::lanes::{Job, Test};
+use crate::bvh::traverse::{Leaves, walk_tree};
+use crate::bvh::{BoxRay, Bvh, Costs, Lanes, NoCount};
+use crate::memory;
 use crate::ray::{Leaving, LocalRay};
 use crate::shape::{Crossing, LocalSurface, Root, Shape, SurfacePoint};
 use crate::shapes::cone::Cone;
@@ -21,6 +33,22 @@ pub type Cylinders = Pool<Cylinder>;
 /// Many cones. The part is 4 times the index of the cone, plus its own part (0 side, 1 base, 2 top).
 pub type Cones = Pool<Cone>;
 
+/// Balls are tested a packet at a time.
+const BALL_COSTS: Costs = Costs { block: BALLS, visit: 0.4 };
+
+/// Balls around things that follow each other.
+fn packet<S: Pooled>(things: &[S], first: usize, middle: DVec3) -> Balls {
+    let mut balls = Balls::empty(first as u32);
+    for (lane, (center, radius)) in things.iter().filter_map(Pooled::ball).enumerate() {
+        let center = center - middle;
+        balls.centers[0][lane] = center.x as f32;
+        balls.centers[1][lane] = center.y as f32;
+        balls.centers[2][lane] = center.z as f32;
+        balls.radii[lane] = (radius as f32).next_up();
+    }
+    balls
+}
+
 /// Coordinates of things in a pool are smaller.
 const LARGEST: f64 = 1e30;
 
@@ -28,10 +56,20 @@ const LARGEST: f64 = 1e30;
 pub trait Pooled: Shape + Clone + Send + Sync {
     /// How many bits of a pool's part are the thing's own part.
     const PART_BITS: u32;
+
+    /// Centre and radius of a ball that holds the thing and nothing much else, if there is one: then single
+    /// precision turns away most rays.
+    fn ball(&self) -> Option<(DVec3, f64)> {
+        None
+    }
 }
 
 impl Pooled for Sphere {
     const PART_BITS: u32 = 0;
+
+    fn ball(&self) -> Option<(DVec3, f64)> {
+        Some((self.center(), self.radius()))
+    }
 }
 
 impl Pooled for Cylinder {
@@ -51,8 +89,12 @@ pub struct Pool<S> {
     index_of: Vec<u32>,
     /// Where in `items` each given thing is.
     place_of: Vec<u32>,
+    /// Balls around the items, where they have some; then leaves are ranges of these packets, else of items.
+    balls: Vec<Balls>,
     bvh: Bvh,
     bounds: Bounds,
+    /// The largest coordinate.
+    largest: f64,
 }
 
 impl<S: Pooled> Pool<S> {
@@ -72,25 +114,52 @@ impl<S: Pooled> Pool<S> {
             }
         }
         let center = if bounds.is_empty() { DVec3::ZERO } else { bounds.center() };
-        let kept: Vec<u32> = (0..given.len() as u32)
-            .filter(|&i| {
-                let b = given.get(i as usize).map_or(Bounds::EMPTY, Shape::bounds);
-                b.union(bounds) == bounds && Bvh::can_hold(&b, center)
-            })
-            .collect();
-        let boxes =
-            kept.iter().map(|&i| given.get(i as usize).map_or(Bounds::EMPTY, Shape::bounds));
-        let (bvh, order) = Bvh::build(boxes, center);
-        let index_of: Vec<u32> =
-            order.iter().filter_map(|&i| kept.get(i as usize).copied()).collect();
+        let own_item = |(i, s): (usize, &S)| {
+            let b = s.bounds();
+            let inside = b.union(bounds) == bounds;
+            inside.then(|| item_around(&b, center, i as u32)).flatten()
+        };
+        let boxes: Vec<Item> = if rayon::current_thread_index().is_some() {
+            given.par_iter().enumerate().filter_map(own_item).collect()
+        } else {
+            given.iter().enumerate().filter_map(own_item).collect()
+        };
+        let has_balls = given.first().is_some_and(|s| s.ball().is_some());
+        let costs = if has_balls { BALL_COSTS } else { Costs::SINGLE };
+        let (mut bvh, boxes) = build_items(boxes, center, costs);
+        let index_of: Vec<u32> = boxes.iter().map(number).collect();
+        drop(boxes);
         let mut place_of = vec![u32::MAX; given.len()];
         for (&index, place) in index_of.iter().zip(0..) {
             if let Some(slot) = place_of.get_mut(index as usize) {
                 *slot = place;
             }
         }
-        let items = index_of.iter().filter_map(|&i| given.get(i as usize).cloned()).collect();
-        Some(Self { items, index_of, place_of, bvh, bounds })
+        let mut items = memory::with_capacity(index_of.len());
+        items.extend(index_of.iter().filter_map(|&i| given.get(i as usize).cloned()));
+        let mut balls = Vec::new();
+        if has_balls {
+            bvh.map_leaves(|range| {
+                let first = balls.len();
+                for start in range.clone().step_by(BALLS) {
+                    let end = range.end.min(start + BALLS);
+                    balls.push(packet(items.get(start..end).unwrap_or_default(), start, center));
+                }
+                (first, balls.len() - first)
+            });
+        }
+        let largest = if bounds.is_empty() {
+            0.0
+        } else {
+            bounds.min.abs().max(bounds.max.abs()).max_element()
+        };
+        Some(Self { largest, items, index_of, place_of, balls: memory::fitted(balls), bvh, bounds })
+    }
+
+    /// Runs the queries on these instructions, or the best below them that there are: for tests.
+    #[doc(hidden)]
+    pub fn use_lanes(&mut self, lanes: Lanes) {
+        self.bvh.use_lanes(lanes);
     }
 
     /// How many there are, those that were left out included.
@@ -123,6 +192,7 @@ impl<S: Pooled> Pool<S> {
 
     /// The nearest hit of one thing by a ray that leaves a point of another one, if any of this pool:
     /// surfaces within the error of the origin are passed.
+    #[inline(always)]
     fn meet(&self, ray: &LocalRay, place: usize) -> Option<Root> {
         let item = self.items.get(place)?;
         let Some(leaving) = ray.leaving else {
@@ -162,23 +232,13 @@ impl<S: Pooled> Shape for Pool<S> {
     }
 
     fn intersect(&self, ray: &LocalRay) -> Option<Root> {
-        let mut best: Option<Root> = None;
-        let largest = ray.origin.abs().max_element();
-        let pad = ray.error + dioptric_math::bounds::gamma(256) * largest;
-        let box_ray = BoxRay::new(ray.origin, ray.direction, &self.bvh, pad);
-        self.bvh.visit(&box_ray, ray.t_max, &mut NoCount, |range, t_max, _| {
-            let mut local = LocalRay { t_max, ..*ray };
-            for place in range {
-                if let Some(root) = self.meet(&local, place)
-                    && best.is_none_or(|b| root.t < b.t || (root.t == b.t && root.part < b.part))
-                {
-                    best = Some(root);
-                    local.t_max = root.t;
-                }
-            }
-            Some(local.t_max)
-        });
-        best
+        // SAFETY: a tree's instruction set is one that the processor has.
+        unsafe { self.bvh.lanes().run(Cast::<S, false> { pool: self, ray }) }
+    }
+
+    fn blocks(&self, ray: &LocalRay) -> Option<Root> {
+        // SAFETY: as above.
+        unsafe { self.bvh.lanes().run(Cast::<S, true> { pool: self, ray }) }
     }
 
     fn crossings(&self, _ray: &LocalRay, _out: &mut Vec<Crossing>) {}
@@ -202,6 +262,113 @@ impl<S: Pooled> Shape for Pool<S> {
     fn memory_bytes(&self) -> usize {
         self.bvh.memory_bytes()
             + self.items.capacity() * size_of::<S>()
+            + self.balls.capacity() * size_of::<Balls>()
             + (self.index_of.capacity() + self.place_of.capacity()) * size_of::<u32>()
+    }
+}
+
+/// A ray and a pool, to be run on some instruction set.
+struct Cast<'a, S, const ANY: bool> {
+    pool: &'a Pool<S>,
+    ray: &'a LocalRay,
+}
+
+impl<S: Pooled, const ANY: bool> Job for Cast<'_, S, ANY> {
+    type Output = Option<Root>;
+
+    #[inline(always)]
+    unsafe fn run<T: Test>(self) -> Option<Root> {
+        let Self { pool, ray } = self;
+        let pad = ray.error + gamma(256) * (ray.origin.abs().max_element() + pool.largest);
+        let box_ray = BoxRay::new(ray.origin, ray.direction, &pool.bvh, pad);
+        let origin = ray.origin - pool.bvh.center();
+        let ball_ray = BallRay::new(origin, ray.direction, pool.bvh.extent(), pad);
+        let scale = ray.direction.abs().max_element();
+        let mut hits =
+            Hits::<S, T, ANY> { pool, ray, ball_ray, scale, best: None, lanes: PhantomData::<T> };
+        // SAFETY: the caller answers for the instruction set.
+        unsafe { walk_tree::<T, _, _>(&pool.bvh, &box_ray, ray.t_max, &mut NoCount, &mut hits) };
+        hits.best
+    }
+}
+
+/// What has been found so far.
+struct Hits<'a, S, T, const ANY: bool> {
+    pool: &'a Pool<S>,
+    ray: &'a LocalRay,
+    ball_ray: BallRay,
+    /// The direction's largest component.
+    scale: f64,
+    best: Option<Root>,
+    lanes: PhantomData<T>,
+}
+
+impl<S: Pooled, T, const ANY: bool> Hits<'_, S, T, ANY> {
+    /// Asks one thing; `None` to end the walk.
+    #[inline(always)]
+    fn ask(&mut self, place: usize, t_max: f64) -> Option<f64> {
+        let Some(root) = self.pool.meet(self.ray, place) else { return Some(t_max) };
+        if ANY {
+            if root.t < t_max {
+                self.best = Some(root);
+                return None;
+            }
+        } else if root.t < t_max
+            || (root.t == t_max && self.best.is_none_or(|b| root.t < b.t || root.part < b.part))
+        {
+            self.best = Some(root);
+            return Some(root.t);
+        }
+        Some(t_max)
+    }
+}
+
+impl<S: Pooled, T: Test, const ANY: bool> Leaves<T, NoCount> for Hits<'_, S, T, ANY> {
+    const ANY: bool = ANY;
+
+    #[inline(always)]
+    fn address(&self, first: usize) -> *const u8 {
+        if self.pool.balls.is_empty() {
+            self.pool.items.as_ptr().wrapping_add(first).cast()
+        } else {
+            self.pool.balls.as_ptr().wrapping_add(first).cast()
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn visit(
+        &mut self,
+        items: Range<usize>,
+        mut t_max: f64,
+        _: &mut NoCount,
+    ) -> Option<f64> {
+        if self.pool.balls.is_empty() {
+            for place in items {
+                t_max = self.ask(place, t_max)?;
+            }
+            return Some(t_max);
+        }
+        let pool = self.pool;
+        for balls in pool.balls.get(items).unwrap_or_default() {
+            let scale = self.scale;
+            let limit = |t_max: f64| ((t_max * scale) as f32).next_up();
+            let (starts, mut kept) = if self.ball_ray.usable {
+                // SAFETY: the caller answers for the instruction set.
+                unsafe { T::balls(balls, &self.ball_ray, limit(t_max)) }
+            } else {
+                let all =
+                    (0..BALLS).fold(0, |all, i| all | u32::from(!balls.radii[i].is_nan()) << i);
+                ([f32::NEG_INFINITY; BALLS], all)
+            };
+            while kept != 0 {
+                let lane = kept.trailing_zeros() as usize % BALLS;
+                kept &= kept - 1;
+                // Another one of these may have been hit before.
+                if starts[lane] <= limit(t_max) {
+                    t_max = self.ask(balls.first as usize + lane, t_max)?;
+                }
+            }
+        }
+        Some(t_max)
     }
 }

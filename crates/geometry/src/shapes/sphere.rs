@@ -48,7 +48,20 @@ impl Sphere {
         Self { center, radius }
     }
 
+    /// The middle.
+    #[must_use]
+    pub const fn center(&self) -> DVec3 {
+        self.center
+    }
+
+    /// The distance from the middle to the surface.
+    #[must_use]
+    pub const fn radius(&self) -> f64 {
+        self.radius
+    }
+
     /// The two roots on the whole line.
+    #[inline]
     fn chord(&self, ray: &LocalRay) -> Option<Chord> {
         let f = ray.origin - self.center;
         let d = ray.direction;
@@ -95,6 +108,7 @@ impl Shape for Sphere {
         true
     }
 
+    #[inline]
     fn intersect(&self, ray: &LocalRay) -> Option<Root> {
         if let Some(leaving) = ray.leaving {
             if leaving.outward {

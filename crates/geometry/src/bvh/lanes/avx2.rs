@@ -5,10 +5,11 @@ use std::arch::x86_64::{
     __m256, _CMP_GE_OQ, _CMP_LE_OQ, _CMP_NGT_UQ, _CMP_NLT_UQ, _mm256_add_ps, _mm256_and_ps,
     _mm256_andnot_ps, _mm256_cmp_ps, _mm256_fmadd_ps, _mm256_fmsub_ps, _mm256_fnmadd_ps,
     _mm256_load_ps, _mm256_max_ps, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_or_ps,
-    _mm256_set1_ps, _mm256_setzero_ps, _mm256_storeu_ps, _mm256_sub_ps, _mm256_xor_ps,
+    _mm256_set1_ps, _mm256_setzero_ps, _mm256_sqrt_ps, _mm256_storeu_ps, _mm256_sub_ps,
+    _mm256_xor_ps,
 };
 
-use super::{Aim, BoxRay, Entries, Node, Packet, Test, WIDTH};
+use super::{Aim, BallRay, Balls, BoxRay, Entries, Node, Packet, Test, WIDTH};
 
 pub(crate) struct Avx2;
 
@@ -110,6 +111,77 @@ impl Test for Avx2 {
                 _mm256_or_ps(_mm256_and_ps(positive, ahead), _mm256_and_ps(negative, behind));
             kept & _mm256_movemask_ps(within) as u32
         }
+    }
+
+    #[inline(always)]
+    unsafe fn balls(balls: &Balls, ray: &BallRay, limit: f32) -> (Entries, u32) {
+        // SAFETY: the caller answers for the instruction set.
+        unsafe {
+            let Apart { along, square, room } = apart(balls, ray);
+            let near = _mm256_cmp_ps::<_CMP_LE_OQ>(square, _mm256_mul_ps(room, room));
+            let ends = _mm256_cmp_ps::<_CMP_GE_OQ>(_mm256_add_ps(along, room), _mm256_setzero_ps());
+            let kept = _mm256_movemask_ps(_mm256_and_ps(near, ends)) as u32;
+            let mut starts = [0.0; WIDTH];
+            if kept == 0 {
+                return (starts, 0);
+            }
+            let start = start(along, square, room, ray);
+            _mm256_storeu_ps(starts.as_mut_ptr(), start);
+            let before = _mm256_cmp_ps::<_CMP_LE_OQ>(start, _mm256_set1_ps(limit));
+            (starts, kept & _mm256_movemask_ps(before) as u32)
+        }
+    }
+}
+
+/// Where the ray enters balls at the earliest.
+///
+/// # Safety
+/// The processor has AVX2 and FMA.
+#[inline(always)]
+pub(super) unsafe fn start(along: __m256, square: __m256, room: __m256, ray: &BallRay) -> __m256 {
+    // SAFETY: the caller answers for the instruction set.
+    unsafe {
+        let rooms = _mm256_mul_ps(room, _mm256_mul_ps(room, _mm256_set1_ps(BallRay::SQUARES)));
+        let chord = _mm256_max_ps(_mm256_sub_ps(rooms, square), _mm256_setzero_ps());
+        let chord = _mm256_sqrt_ps(_mm256_mul_ps(chord, _mm256_set1_ps(ray.inverse)));
+        let start = _mm256_fnmadd_ps(chord, _mm256_set1_ps(BallRay::CHORD), along);
+        _mm256_sub_ps(start, _mm256_set1_ps(ray.slack))
+    }
+}
+
+/// How balls lie about a ray.
+pub(super) struct Apart {
+    /// How far along the ray the centres are.
+    pub along: __m256,
+    /// The squares of their distances from it.
+    pub square: __m256,
+    /// The radii, and what all may be off by.
+    pub room: __m256,
+}
+
+/// # Safety
+/// The processor has AVX2 and FMA.
+#[inline(always)]
+pub(super) unsafe fn apart(balls: &Balls, ray: &BallRay) -> Apart {
+    // SAFETY: the caller answers for the instruction set; rows are aligned to their 32 bytes.
+    unsafe {
+        let [x, y, z] = &balls.centers;
+        let x = _mm256_sub_ps(_mm256_load_ps(x.as_ptr()), _mm256_set1_ps(ray.origin[0]));
+        let y = _mm256_sub_ps(_mm256_load_ps(y.as_ptr()), _mm256_set1_ps(ray.origin[1]));
+        let z = _mm256_sub_ps(_mm256_load_ps(z.as_ptr()), _mm256_set1_ps(ray.origin[2]));
+        let [dx, dy, dz] = [
+            _mm256_set1_ps(ray.direction[0]),
+            _mm256_set1_ps(ray.direction[1]),
+            _mm256_set1_ps(ray.direction[2]),
+        ];
+        let along = _mm256_fmadd_ps(x, dx, _mm256_fmadd_ps(y, dy, _mm256_mul_ps(z, dz)));
+        let along = _mm256_mul_ps(along, _mm256_set1_ps(ray.inverse));
+        let x = _mm256_fnmadd_ps(along, dx, x);
+        let y = _mm256_fnmadd_ps(along, dy, y);
+        let z = _mm256_fnmadd_ps(along, dz, z);
+        let square = _mm256_fmadd_ps(x, x, _mm256_fmadd_ps(y, y, _mm256_mul_ps(z, z)));
+        let room = _mm256_add_ps(_mm256_load_ps(balls.radii.as_ptr()), _mm256_set1_ps(ray.slack));
+        Apart { along, square, room }
     }
 }
 

@@ -2,12 +2,13 @@
 //! Eight boxes or triangles with AVX-512: masks in registers of their own, and more room for the ray.
 
 use std::arch::x86_64::{
-    _CMP_GE_OQ, _CMP_LE_OQ, _CMP_NGT_UQ, _CMP_NLT_UQ, _mm256_cmp_ps_mask, _mm256_mask_cmp_ps_mask,
-    _mm256_set1_ps, _mm256_setzero_ps, _mm256_storeu_ps, _mm256_sub_ps,
+    _CMP_GE_OQ, _CMP_LE_OQ, _CMP_NGT_UQ, _CMP_NLT_UQ, _mm256_add_ps, _mm256_cmp_ps_mask,
+    _mm256_mask_cmp_ps_mask, _mm256_mul_ps, _mm256_set1_ps, _mm256_setzero_ps, _mm256_storeu_ps,
+    _mm256_sub_ps,
 };
 
-use super::avx2::{self, Closer, Ranges, Spread};
-use super::{Aim, BoxRay, Entries, Node, Packet, Test, WIDTH};
+use super::avx2::{self, Apart, Closer, Ranges, Spread};
+use super::{Aim, BallRay, Balls, BoxRay, Entries, Node, Packet, Test, WIDTH};
 
 pub(crate) struct Avx512;
 
@@ -57,6 +58,25 @@ impl Test for Avx512 {
             let ahead = _mm256_mask_cmp_ps_mask::<_CMP_NLT_UQ>(positive, depth, minus);
             let behind = _mm256_mask_cmp_ps_mask::<_CMP_NGT_UQ>(negative, depth, slack);
             u32::from(ahead | behind)
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn balls(balls: &Balls, ray: &BallRay, limit: f32) -> (Entries, u32) {
+        // SAFETY: as above; the array has the size of a register.
+        unsafe {
+            let Apart { along, square, room } = avx2::apart(balls, ray);
+            let near = _mm256_cmp_ps_mask::<_CMP_LE_OQ>(square, _mm256_mul_ps(room, room));
+            let end = _mm256_add_ps(along, room);
+            let kept = _mm256_mask_cmp_ps_mask::<_CMP_GE_OQ>(near, end, _mm256_setzero_ps());
+            let mut starts = [0.0; WIDTH];
+            if kept == 0 {
+                return (starts, 0);
+            }
+            let start = avx2::start(along, square, room, ray);
+            _mm256_storeu_ps(starts.as_mut_ptr(), start);
+            let kept = _mm256_mask_cmp_ps_mask::<_CMP_LE_OQ>(kept, start, _mm256_set1_ps(limit));
+            (starts, u32::from(kept))
         }
     }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Tests of eight boxes or eight triangles at once, one way for each instruction set. They only reject
+//! Tests of eight boxes, triangles or balls at once, one way for each instruction set. They only reject
 //! (invariant 2), so no bit of a hit depends on which is used.
 
 #[cfg(target_arch = "x86_64")]
@@ -8,6 +8,7 @@ pub(super) mod avx2;
 pub(super) mod avx512;
 pub(super) mod plain;
 
+use super::balls::{BallRay, Balls};
 use super::triangles::{Aim, Packet};
 use super::{BoxRay, Node, WIDTH};
 
@@ -125,4 +126,11 @@ pub(crate) trait Test {
     /// # Safety
     /// The processor has the instruction set.
     unsafe fn triangles(packet: &Packet, aim: &Aim, margin: f32, depths: [f32; 2]) -> u32;
+
+    /// Where the ray enters balls at the earliest, in units of its scaled direction, and a bit for each that it may
+    /// hit at `limit` or before.
+    ///
+    /// # Safety
+    /// The processor has the instruction set.
+    unsafe fn balls(balls: &Balls, ray: &BallRay, limit: f32) -> (Entries, u32);
 }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Eight boxes or triangles with what the program was compiled for: loops that compilers turn into SSE2 or NEON.
 
-use super::{Aim, BoxRay, Entries, Node, Packet, Test, WIDTH};
+use super::{Aim, BallRay, Balls, BoxRay, Entries, Node, Packet, Test, WIDTH};
+use crate::bvh::balls::BALLS;
 use crate::bvh::triangles::SIDE_BY_SIDE;
 
 pub(crate) struct Plain;
@@ -63,6 +64,27 @@ impl Test for Plain {
                 u32::from(within && starts && ends && closer(aim, [u, v, w], &seen, lane)) << lane;
         }
         kept
+    }
+
+    #[inline(always)]
+    unsafe fn balls(balls: &Balls, ray: &BallRay, limit: f32) -> (Entries, u32) {
+        let [dx, dy, dz] = ray.direction;
+        let mut starts = [0.0; BALLS];
+        let mut kept = 0;
+        for (lane, entry) in starts.iter_mut().enumerate() {
+            let x = balls.centers[0][lane] - ray.origin[0];
+            let y = balls.centers[1][lane] - ray.origin[1];
+            let z = balls.centers[2][lane] - ray.origin[2];
+            let along = (x * dx + y * dy + z * dz) * ray.inverse;
+            let (x, y, z) = (x - along * dx, y - along * dy, z - along * dz);
+            let room = balls.radii[lane] + ray.slack;
+            let (square, rooms) = (x * x + y * y + z * z, room * room);
+            let chord = (rooms * BallRay::SQUARES - square).max(0.0) * ray.inverse;
+            *entry = along - chord.sqrt() * BallRay::CHORD - ray.slack;
+            let hit = square <= rooms && *entry <= limit && along >= -room;
+            kept |= u32::from(hit) << lane;
+        }
+        (starts, kept)
     }
 }
 
