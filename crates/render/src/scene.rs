@@ -150,6 +150,16 @@ impl Scene {
     /// Works out what shading needs of a hit; `None` only for a hit that is not of this world.
     #[must_use]
     pub fn shading(&self, ray: &Ray, hit: &Hit) -> Option<Shading<'_>> {
+        self.shading_in(ray, hit, Box::new)
+    }
+
+    /// The same with a box for the answer, if one is needed, from `put`.
+    pub(crate) fn shading_in(
+        &self,
+        ray: &Ray,
+        hit: &Hit,
+        put: impl FnOnce(Finish) -> Box<Finish>,
+    ) -> Option<Shading<'_>> {
         let SceneMaterial { material, uniform, .. } = &self.materials[self.material_index(hit.id)];
         if let Some(finish) = uniform {
             let surface = self.world.surface_point(ray, hit)?;
@@ -158,7 +168,7 @@ impl Scene {
         let (surface, point) = self.surface_and_point(ray, hit)?;
         Some(Shading {
             surface: surface.into(),
-            finish: Answer::Here(Box::new(material.finish(&point))),
+            finish: Answer::Here(put(material.finish(&point))),
         })
     }
 
@@ -167,17 +177,19 @@ impl Scene {
     pub fn surface_and_point(&self, ray: &Ray, hit: &Hit) -> Option<(Surface, PatternPoint)> {
         let mut surface = self.world.surface(ray, hit)?;
         let root = self.root.transform();
-        let point = PatternPoint {
+        let mut point = PatternPoint {
             object: surface.local_point,
-            world: root.to_local().transform_point3(surface.point),
+            world: surface.point,
             uv: surface.uv,
             object_normal: surface.local_normal,
-            // A normal goes back by the transpose of the way there.
-            world_normal: dioptric_math::normalize(
-                root.to_world().matrix3.transpose() * surface.shading_normal,
-            )
-            .unwrap_or(surface.shading_normal),
+            world_normal: surface.shading_normal,
         };
+        if !self.root.is_identity() {
+            point.world = root.to_local().transform_point3(surface.point);
+            // A normal goes back by the transpose of the way there.
+            let back = root.to_world().matrix3.transpose() * surface.shading_normal;
+            point.world_normal = dioptric_math::normalize(back).unwrap_or(surface.shading_normal);
+        }
         if let Some(bump) = self.materials[self.material_index(hit.id)].material.bump() {
             let to_ray = self.world.object_to_ray(hit.id)?.matrix3;
             let to_file = root.to_local().matrix3 * to_ray;

@@ -45,7 +45,8 @@ struct Task {
     of: usize,
     share: f64,
     diffuse: Spectrum,
-    highlight: Spectrum,
+    /// The light, already with its share.
+    arriving: Spectrum,
 }
 
 /// One light's two terms at one point, behind its shadow.
@@ -98,7 +99,8 @@ impl<R: Recorder> Whitted<'_, '_, R> {
             scratch.told.clear();
             scratch.told.resize_with(points.len(), Told::default);
         }
-        for (of, met) in points.iter_mut().enumerate() {
+        for of in 0..points.len() {
+            let met = &mut points[of];
             if !lit(met) {
                 continue;
             }
@@ -114,10 +116,10 @@ impl<R: Recorder> Whitted<'_, '_, R> {
                 light_sample::<R>(&met.point, of, placed, u, 1.0, scratch);
             }
             if scratch.tasks.len() >= TOGETHER {
-                self.cast_shadows(scratch);
+                self.cast_shadows(points, scratch);
             }
         }
-        self.cast_shadows(scratch);
+        self.cast_shadows(points, scratch);
         for (of, met) in points.iter_mut().enumerate() {
             if lit(met) {
                 let sum = scratch.sums[of];
@@ -131,7 +133,7 @@ impl<R: Recorder> Whitted<'_, '_, R> {
     }
 
     /// Finds out what of the samples arrives, and adds it.
-    fn cast_shadows(&mut self, scratch: &mut Scratch) {
+    fn cast_shadows(&mut self, points: &[Met], scratch: &mut Scratch) {
         let scene = self.scene;
         let Scratch { queries, tasks, blockers, sums, told } = scratch;
         let shadows = scene.settings.shadows;
@@ -151,8 +153,12 @@ impl<R: Recorder> Whitted<'_, '_, R> {
                 }
             };
             let sum = &mut sums[task.of];
-            sum.diffuse += task.diffuse * visibility;
-            sum.highlight += task.highlight * visibility;
+            if visibility != Spectrum::ZERO {
+                // Only now: the highlight costs more than all the rest.
+                let highlight = shine(&points[task.of].point, query.ray.direction, task.arriving);
+                sum.diffuse += task.diffuse * visibility;
+                sum.highlight += highlight * visibility;
+            }
             if R::ENABLED {
                 let told = &mut told[task.of];
                 told.visibility += visibility * task.share;
@@ -266,23 +272,25 @@ fn light_sample<R: Recorder>(
     }
     let arriving = light.arriving * share;
     let diffuse = point.finish.diffuse * arriving * cosine;
-    let highlight = match &point.finish.highlight {
-        Some(h) => {
-            h.color * arriving * strength(h, point.normal, light.direction, -point.ray.direction)
-        }
-        None => Spectrum::ZERO,
-    };
     if R::ENABLED {
         let told = &mut scratch.told[of];
         told.in_front += 1;
         told.diffuse_unshadowed += diffuse;
-        told.highlight_unshadowed += highlight;
+        told.highlight_unshadowed += shine(point, light.direction, arriving);
     }
-    if diffuse + highlight == Spectrum::ZERO {
+    if diffuse == Spectrum::ZERO && shine(point, light.direction, arriving) == Spectrum::ZERO {
         return;
     }
     scratch.queries.push(point.back(light.direction).query(light.distance));
-    scratch.tasks.push(Task { of, share, diffuse, highlight });
+    scratch.tasks.push(Task { of, share, diffuse, arriving });
+}
+
+/// A light's highlight at a point.
+fn shine(point: &Point, to_light: DVec3, arriving: Spectrum) -> Spectrum {
+    match &point.finish.highlight {
+        Some(h) => h.color * arriving * strength(h, point.normal, to_light, -point.ray.direction),
+        None => Spectrum::ZERO,
+    }
 }
 
 /// A highlight that is a smaller share of its light is none: nobody could see what its shadow ray costs.

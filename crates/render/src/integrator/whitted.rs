@@ -24,9 +24,9 @@ use super::point::{Leg, Point, coincide};
 use super::recorder::{HitRecord, RayKind, Recorder, Slot};
 use super::tree::{Above, Nodes};
 use crate::film::{FirstHit, Radiance};
-use crate::material::Optics;
+use crate::material::{Finish, Optics};
 use crate::sampling::stream::Stream;
-use crate::scene::{Scene, Shading};
+use crate::scene::{Answer, Scene, Shading};
 use crate::stats::RayCounts;
 
 /// Rays that are cast together.
@@ -138,7 +138,8 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
         round.legs.extend(self.legs.drain(first..));
         let mut met = std::mem::take(&mut round.met);
         for ((query, leg), hit) in round.queries.iter().zip(&round.legs).zip(&round.hits) {
-            match hit.and_then(|hit| self.resolve(query, hit, leg.state.inside)) {
+            let spare = &mut round.answers;
+            match hit.and_then(|hit| self.resolve(query, hit, leg.state.inside, spare)) {
                 Some((hit, shading)) => {
                     self.nodes[leg.node].distance = hit.t;
                     let point = Point::new(&query.ray, hit, shading, query.departure.as_ref());
@@ -157,7 +158,11 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
         for met in &mut met {
             self.scatter(met);
         }
-        met.clear();
+        for met in met.drain(..) {
+            if let Answer::Here(answer) = met.point.finish {
+                round.answers.push(answer);
+            }
+        }
         round.met = met;
     }
 
@@ -230,9 +235,21 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
 
     /// The hit that counts, and what is needed to shade it. Inside of a transparent object its own surface
     /// comes before any other that coincides with it: the exit belongs to the object that was entered.
-    fn resolve(&self, query: &Query, hit: Hit, inside: Inside) -> Option<(Hit, Shading<'a>)> {
+    fn resolve(
+        &self,
+        query: &Query,
+        hit: Hit,
+        inside: Inside,
+        spare: &mut Vec<Box<Finish>>,
+    ) -> Option<(Hit, Shading<'a>)> {
         let (scene, ray) = (self.scene, &query.ray);
-        let shading = scene.shading(ray, &hit)?;
+        let shading = scene.shading_in(ray, &hit, |finish| match spare.pop() {
+            Some(mut answer) => {
+                *answer = finish;
+                answer
+            }
+            None => Box::new(finish),
+        })?;
         if let Some(around) = self.media.top(inside).filter(|m| !m.object.same_object(&hit.id)) {
             let id = around.object;
             let departure = query.departure.as_ref();
@@ -349,6 +366,8 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
 #[derive(Default)]
 struct Round<'a> {
     met: Vec<Met<'a>>,
+    /// Boxes for answers of materials with patterns.
+    answers: Vec<Box<Finish>>,
     queries: Vec<Query>,
     legs: Vec<Follow>,
     hits: Vec<Option<Hit>>,

@@ -43,12 +43,13 @@ pub struct Root {
     transform: Transform,
     up: DVec3,
     scale: f64,
+    still: bool,
 }
 
 impl std::default::Default for Root {
     /// The file's space is the space of rays, y is up.
     fn default() -> Self {
-        Self { transform: Transform::IDENTITY, up: DVec3::Y, scale: 1.0 }
+        Self { transform: Transform::IDENTITY, up: DVec3::Y, scale: 1.0, still: true }
     }
 }
 
@@ -57,13 +58,20 @@ impl Root {
     #[must_use]
     pub fn new(placement: DAffine3, up: DVec3) -> Option<Self> {
         let scale = dioptric_math::cbrt(placement.matrix3.determinant().abs());
-        Some(Self { transform: Transform::new(placement)?, up, scale })
+        let still = placement == DAffine3::IDENTITY;
+        Some(Self { transform: Transform::new(placement)?, up, scale, still })
     }
 
     /// The transform from the file's space to the space of rays.
     #[must_use]
     pub const fn transform(&self) -> &Transform {
         &self.transform
+    }
+
+    /// Whether both spaces are the same.
+    #[must_use]
+    pub const fn is_identity(&self) -> bool {
+        self.still
     }
 
     /// A point, carried to the space of rays.
