@@ -12,7 +12,7 @@ pub(crate) mod balls;
 pub(crate) mod build;
 #[allow(unsafe_code)]
 pub(crate) mod lanes;
-pub mod packet;
+pub(crate) mod packet;
 mod ray;
 #[allow(unsafe_code)]
 pub(crate) mod traverse;
@@ -47,7 +47,7 @@ pub(crate) struct Node {
 /// An inner node, by its index; or with the highest bit a leaf: three bits for the number of its items
 /// less one, then the index of the first.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-struct Child(u32);
+pub(crate) struct Child(u32);
 
 impl Child {
     const LEAF: u32 = 1 << 31;

@@ -24,7 +24,7 @@ pub struct BoxRay {
     /// 1 where the direction is negative: which side of a box is the near one.
     pub(super) negative: [usize; 3],
     /// From `t` to the scaled direction's.
-    scale: f64,
+    pub(super) scale: f64,
 }
 
 /// Components of the direction below this part of the largest count as this much: over the whole scene

@@ -69,7 +69,7 @@ impl Task {
 }
 
 /// A level leaves at most this many tasks behind.
-const LEFT: usize = WIDTH - 1;
+pub(super) const LEFT: usize = WIDTH - 1;
 
 impl Bvh {
     /// Hands every leaf whose box the ray enters at `t <= t_max` to `leaf`, nearer boxes first.
@@ -147,6 +147,23 @@ impl<C: Counter, F: FnMut(Range<usize>, f64, &mut C) -> Option<f64>> Job for Vis
 pub(crate) unsafe fn walk_tree<T: Test, C: Counter, L: Leaves<T, C>>(
     bvh: &Bvh,
     ray: &BoxRay,
+    t_max: f64,
+    counter: &mut C,
+    leaf: &mut L,
+) -> Option<f64> {
+    // SAFETY: the caller answers for the instruction set.
+    unsafe { walk_below(bvh, ray, Child::inner(0), t_max, counter, leaf) }
+}
+
+/// The same for the part of the tree below `from`.
+///
+/// # Safety
+/// The processor has the instruction set of `T`.
+#[inline(always)]
+pub(super) unsafe fn walk_below<T: Test, C: Counter, L: Leaves<T, C>>(
+    bvh: &Bvh,
+    ray: &BoxRay,
+    from: Child,
     mut t_max: f64,
     counter: &mut C,
     leaf: &mut L,
@@ -158,7 +175,7 @@ pub(crate) unsafe fn walk_tree<T: Test, C: Counter, L: Leaves<T, C>>(
     let spread = unsafe { T::spread(ray) };
     let mut limit = ray.limit(t_max);
     let mut stack = Stack::new();
-    let mut at = Child::inner(0);
+    let mut at = from;
     loop {
         if let Some(index) = at.node() {
             let node = &bvh.nodes[index];

@@ -12,7 +12,7 @@ use super::query::{into, leaving, meet};
 use super::{Hit, Level, Object, World};
 use crate::bvh::Lanes;
 use crate::bvh::packet::rows::{self, LANES, Mask, Rows};
-use crate::bvh::packet::{Leaves, Packet};
+use crate::bvh::packet::{Packet, PacketLeaves};
 use crate::ray::{Contacts, Departure, HitId, LocalRay, Ray};
 
 /// One ray of a batch, with what [`World::closest_past`] takes.
@@ -31,8 +31,6 @@ pub struct Query {
 /// Up to sixteen rays and what they have hit so far.
 struct Walk<'a> {
     queries: &'a [Query],
-    /// Whether any hit before the end will do.
-    any: bool,
     /// Rays that hit something.
     hit: Mask,
     /// The best hit, where there is one.
@@ -46,7 +44,7 @@ impl World {
     pub fn closest_each(&self, queries: &[Query], hits: &mut Vec<Option<Hit>>) {
         hits.clear();
         for queries in queries.chunks(LANES) {
-            let walk = self.packet(queries, false);
+            let walk = self.packet::<false>(queries);
             hits.extend((0..queries.len()).map(|lane| walk.best(lane)));
         }
     }
@@ -55,16 +53,15 @@ impl World {
     pub fn blocker_each(&self, queries: &[Query], blockers: &mut Vec<Option<HitId>>) {
         blockers.clear();
         for queries in queries.chunks(LANES) {
-            let walk = self.packet(queries, true);
+            let walk = self.packet::<true>(queries);
             blockers.extend((0..queries.len()).map(|lane| walk.best(lane).map(|hit| hit.id)));
         }
     }
 
     /// Finds the nearest hit of each ray, or any within its limit.
-    fn packet<'a>(&self, queries: &'a [Query], any: bool) -> Walk<'a> {
+    fn packet<'a, const ANY: bool>(&self, queries: &'a [Query]) -> Walk<'a> {
         let mut walk = Walk {
             queries,
-            any,
             hit: 0,
             ids: [HitId { instance: 0, object: 0, part: 0 }; LANES],
             t: [0.0; LANES],
@@ -72,28 +69,33 @@ impl World {
         match self.levels.first().map_or(Lanes::Plain, |level| level.bvh.lanes()) {
             // SAFETY: a tree's lanes are never more than the processor has.
             #[cfg(target_arch = "x86_64")]
-            Lanes::Avx2 => unsafe { self.walk_avx2(&mut walk) },
+            Lanes::Avx2 => unsafe { self.walk_avx2::<ANY>(&mut walk) },
             #[cfg(target_arch = "x86_64")]
-            Lanes::Avx512 => unsafe { self.walk_avx512(&mut walk) },
-            _ => self.walk::<rows::Base>(&mut walk),
+            Lanes::Avx512 => unsafe { self.walk_avx512::<ANY>(&mut walk) },
+            // SAFETY: that is what everything was compiled for.
+            _ => unsafe { self.walk::<rows::Base, ANY>(&mut walk) },
         }
         walk
     }
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2,fma")]
-    fn walk_avx2(&self, walk: &mut Walk) {
-        self.walk::<rows::x86::Avx2>(walk);
+    fn walk_avx2<const ANY: bool>(&self, walk: &mut Walk) {
+        // SAFETY: the features of this function.
+        unsafe { self.walk::<rows::x86::Avx2, ANY>(walk) }
     }
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2,fma,avx512f,avx512vl,avx512dq")]
-    fn walk_avx512(&self, walk: &mut Walk) {
-        self.walk::<rows::x86::Avx512>(walk);
+    fn walk_avx512<const ANY: bool>(&self, walk: &mut Walk) {
+        // SAFETY: the features of this function.
+        unsafe { self.walk::<rows::x86::Avx512, ANY>(walk) }
     }
 
+    /// # Safety
+    /// The processor has the instruction set of `R`.
     #[inline(always)]
-    fn walk<R: Rows>(&self, walk: &mut Walk) {
+    unsafe fn walk<R: Rows, const ANY: bool>(&self, walk: &mut Walk) {
         let Some(level) = self.levels.first() else { return };
         let Some(objects) = self.objects.get(level.first..) else { return };
         let mut packet = Packet::empty();
@@ -109,27 +111,28 @@ impl World {
         for (lane, query) in walk.queries.iter().enumerate() {
             // What is too large or too small for single precision goes alone.
             if together & 1 << lane == 0 {
-                self.alone(walk, lane, query);
+                self.alone::<ANY>(walk, lane, query);
             }
         }
         let unbounded = objects.get(level.bounded..level.bounded + level.unbounded);
         for object in unbounded.unwrap_or_default() {
-            let done = self.test(walk, object, together);
+            let done = self.test::<ANY>(walk, object, together);
             together &= !done;
         }
-        let mut leaves = Objects { world: self, level, objects, walk };
-        level.bvh.visit_packet::<R>(&mut packet, together, &mut leaves);
+        let mut leaves = Objects::<ANY> { world: self, level, objects, walk };
+        // SAFETY: the caller answers for the instruction set.
+        unsafe { level.bvh.visit_packet::<R, _>(&mut packet, together, &mut leaves) };
         if !self.instances.is_empty() {
-            self.visit_instances_alone(walk, together);
+            self.visit_instances_alone::<ANY>(walk, together);
         }
     }
 
     /// Answers a query by a single ray's walk.
     #[cold]
-    fn alone(&self, walk: &mut Walk, lane: usize, query: &Query) {
+    fn alone<const ANY: bool>(&self, walk: &mut Walk, lane: usize, query: &Query) {
         let departure = query.departure.as_ref();
         let Query { ray, t_max, contacts, .. } = query;
-        let best = if walk.any {
+        let best = if ANY {
             self.blocker_past(ray, *t_max, departure, *contacts).map(|id| Hit { t: 0.0, id })
         } else {
             self.closest_past(ray, *t_max, departure, *contacts)
@@ -142,51 +145,59 @@ impl World {
     /// Tests an object for some of the rays; returns those that need no more, which are none where the nearest
     /// hit is wanted.
     #[inline(never)]
-    fn test(&self, walk: &mut Walk, object: &Object, mut rays: Mask) -> Mask {
+    fn test<const ANY: bool>(&self, walk: &mut Walk, object: &Object, mut rays: Mask) -> Mask {
         let mut done = 0;
-        let id = HitId { instance: HitId::NO_INSTANCE, object: object.id, part: 0 };
-        let transform = self.transform(object.transform);
         while rays != 0 {
             let lane = rays.trailing_zeros() as usize % LANES;
             rays &= rays - 1;
-            let Some(query) = walk.queries.get(lane) else { continue };
-            let departure = query.departure.as_ref();
-            let local = LocalRay {
-                origin: query.ray.origin,
-                direction: query.ray.direction,
-                error: query.ray.error,
-                t_max: walk.t[lane],
-                leaving: departure.filter(|d| d.from.same_object(&id)).map(leaving),
-            };
-            let root = match transform {
-                None => meet(id.instance, object, &local, query.contacts),
-                Some(_) => meet(id.instance, object, &into(transform, &local), query.contacts),
-            };
-            let Some(root) = root else { continue };
-            let hit = Hit { t: root.t, id: HitId { part: root.part, ..id } };
-            if walk.any {
-                if hit.t < query.t_max {
-                    walk.keep(lane, hit);
-                    done |= 1 << lane;
-                }
-            } else if hit.t <= query.t_max && hit.comes_before(walk.best(lane)) {
-                walk.keep(lane, hit);
-            }
+            done |= Mask::from(self.test_one::<ANY>(walk, object, lane)) << lane;
         }
         done
     }
 
+    /// Tests an object for one of the rays; whether it needs no more.
+    #[inline]
+    fn test_one<const ANY: bool>(&self, walk: &mut Walk, object: &Object, lane: usize) -> bool {
+        let Some(query) = walk.queries.get(lane) else { return false };
+        let id = HitId { instance: HitId::NO_INSTANCE, object: object.id, part: 0 };
+        let departure = query.departure.as_ref();
+        let local = LocalRay {
+            origin: query.ray.origin,
+            direction: query.ray.direction,
+            error: query.ray.error,
+            t_max: walk.t[lane],
+            leaving: departure.filter(|d| d.from.same_object(&id)).map(leaving),
+        };
+        let root = match self.transform(object.transform) {
+            None => meet(id.instance, object, &local, query.contacts),
+            transform => meet(id.instance, object, &into(transform, &local), query.contacts),
+        };
+        let Some(root) = root else { return false };
+        let hit = Hit { t: root.t, id: HitId { part: root.part, ..id } };
+        if ANY {
+            let blocks = hit.t < query.t_max;
+            if blocks {
+                walk.keep(lane, hit);
+            }
+            return blocks;
+        }
+        if hit.t <= query.t_max && hit.comes_before(walk.best(lane)) {
+            walk.keep(lane, hit);
+        }
+        false
+    }
+
     /// Lets each ray alone visit the instances.
     #[inline(never)]
-    fn visit_instances_alone(&self, walk: &mut Walk, rays: Mask) {
+    fn visit_instances_alone<const ANY: bool>(&self, walk: &mut Walk, rays: Mask) {
         for (lane, query) in walk.queries.iter().enumerate() {
             let bit = 1 << lane;
-            if rays & bit == 0 || (walk.any && walk.hit & bit != 0) {
+            if rays & bit == 0 || (ANY && walk.hit & bit != 0) {
                 continue;
             }
             let departure = query.departure.as_ref();
             let best = walk.best(lane);
-            let found = if walk.any {
+            let found = if ANY {
                 self.any_instance(&query.ray, query.t_max, departure, query.contacts)
             } else {
                 self.nearest_instance(&query.ray, walk.t[lane], departure, query.contacts)
@@ -199,14 +210,31 @@ impl World {
 }
 
 /// The objects in the leaves of a level.
-struct Objects<'a, 'w, 'q> {
+struct Objects<'a, 'w, 'q, const ANY: bool> {
     world: &'a World,
     level: &'a Level,
     objects: &'a [Object],
     walk: &'w mut Walk<'q>,
 }
 
-impl<R: Rows> Leaves<R> for Objects<'_, '_, '_> {
+impl<R: Rows, const ANY: bool> PacketLeaves<R> for Objects<'_, '_, '_, ANY> {
+    const ANY: bool = ANY;
+
+    #[inline(always)]
+    fn leaf_alone(&mut self, items: Range<usize>, lane: usize, _: f64) -> Option<f64> {
+        for object in self.objects.get(items).unwrap_or_default() {
+            if self.world.test_one::<ANY>(self.walk, object, lane) {
+                return None;
+            }
+        }
+        Some(self.walk.t[lane])
+    }
+
+    #[inline(always)]
+    fn t_max(&self, lane: usize) -> f64 {
+        self.walk.t[lane]
+    }
+
     #[inline(always)]
     fn leaf(&mut self, items: Range<usize>, rays: Mask, packet: &mut Packet) -> Mask {
         let mut done = 0;
@@ -215,8 +243,8 @@ impl<R: Rows> Leaves<R> for Objects<'_, '_, '_> {
             let rays = filter.test::<R>(packet) & rays & !done;
             if rays != 0 {
                 let before = self.walk.t;
-                done |= self.world.test(self.walk, object, rays);
-                if !self.walk.any {
+                done |= self.world.test::<ANY>(self.walk, object, rays);
+                if !ANY {
                     self.walk.shorten(packet, rays, &before);
                 }
             }

@@ -3,10 +3,10 @@
 //! (invariant 2), so no bit of a hit depends on which is used.
 
 #[cfg(target_arch = "x86_64")]
-pub(super) mod avx2;
+pub(crate) mod avx2;
 #[cfg(target_arch = "x86_64")]
-pub(super) mod avx512;
-pub(super) mod plain;
+pub(crate) mod avx512;
+pub(crate) mod plain;
 
 use super::balls::{BallRay, Balls};
 use super::triangles::{Aim, Packet};

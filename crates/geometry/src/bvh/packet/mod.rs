@@ -1,18 +1,22 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Walking the tree with sixteen rays at once: a node that several of them enter is fetched once.
 //!
-//! The order of the walk is that of one of the rays; the others may have to visit more than they would alone,
-//! but what they find is the same.
+//! The rays may have to visit more than each would alone, but what they find is the same. Where only a few of
+//! them are left in a part of the tree, each walks it alone.
+
+#![allow(unsafe_code)]
 
 pub mod rows;
 
+use std::marker::PhantomData;
 use std::ops::Range;
 
 use dioptric_math::DVec3;
 use dioptric_math::bounds::gamma;
 
 use self::rows::{LANES, Mask, Row, Rows};
-use super::{Bvh, Child, MAX_DEPTH, WIDTH};
+use super::traverse::{LEFT, Leaves, NoCount, walk_below};
+use super::{BoxRay, Bvh, Child, MAX_DEPTH, WIDTH};
 
 /// Sixteen rays as boxes see them: about the tree's centre, with directions of length 1. Filled by
 /// [`Self::set`] for each ray, then [`Self::finish`].
@@ -88,7 +92,7 @@ impl Packet {
     /// Works out what walks need, for the `(amplify, extent)` of [`crate::world`]'s reach. Returns the rays that
     /// are fit for single precision; the others must not walk.
     #[inline(always)]
-    pub fn finish<R: Rows>(&mut self, bvh: &Bvh, (amplify, extent): (f64, f64)) -> Mask {
+    pub(crate) fn finish<R: Rows>(&mut self, bvh: &Bvh, (amplify, extent): (f64, f64)) -> Mask {
         let o = [R::load(&self.origin[0]), R::load(&self.origin[1]), R::load(&self.origin[2])];
         let d =
             [R::load(&self.direction[0]), R::load(&self.direction[1]), R::load(&self.direction[2])];
@@ -137,6 +141,28 @@ impl Packet {
         self.limit.0[lane] = limit.min(f32::MAX);
     }
 
+    /// One ray by itself.
+    #[inline(always)]
+    fn one(&self, lane: usize) -> BoxRay {
+        let mut ray = BoxRay {
+            near: [0.0; 3],
+            far: [0.0; 3],
+            inverse: [0.0; 3],
+            negative: [0; 3],
+            scale: f64::from(self.length.0[lane] * UP),
+        };
+        for axis in 0..3 {
+            let (low, high) = (self.low[axis].0[lane], self.high[axis].0[lane]);
+            let inverse = self.inverse[axis].0[lane];
+            let negative = inverse < 0.0;
+            ray.near[axis] = if negative { high } else { low };
+            ray.far[axis] = if negative { low } else { high };
+            ray.inverse[axis] = inverse;
+            ray.negative[axis] = usize::from(negative);
+        }
+        ray
+    }
+
     /// Where each ray enters a box, and a bit for those that do so within their limits.
     #[inline(always)]
     fn enter<R: Rows>(&self, low: [f32; 3], high: [f32; 3]) -> (R, Mask) {
@@ -153,62 +179,89 @@ impl Packet {
     }
 }
 
-/// A level leaves at most this many tasks behind.
-const LEFT: usize = WIDTH - 1;
+/// So few rays are faster each alone: a node's eight boxes are tested for one ray at once, or one box for sixteen
+/// rays.
+const FEW: u32 = 4;
 
-/// What is still to be visited, by which rays, and where they enter it.
+/// What is still to be visited, by which rays, and where the first of them enters it.
 #[derive(Clone, Copy)]
 struct Task {
-    near: Row,
+    near: f32,
     child: Child,
     rays: Mask,
-    /// Where the first of the rays enters.
-    first: f32,
 }
 
 /// What is done at the leaves. (No closure: those would be compiled without the features of the function that
 /// they are used in, and calls of single instructions are slow.)
-pub trait Leaves<R: Rows> {
+pub(crate) trait PacketLeaves<R: Rows> {
+    /// Whether the rays ask for any hit; else for the nearest one.
+    const ANY: bool;
+
     /// Tests a leaf's items for `rays`. May shorten rays; returns those that need no more leaves.
     fn leaf(&mut self, items: Range<usize>, rays: Mask, packet: &mut Packet) -> Mask;
+
+    /// Tests a leaf's items for one ray that goes to `t_max`: the new `t_max`, or nothing if it needs no more
+    /// leaves.
+    fn leaf_alone(&mut self, items: Range<usize>, lane: usize, t_max: f64) -> Option<f64>;
+
+    /// How far a ray goes, in units of its direction.
+    fn t_max(&self, lane: usize) -> f64;
 }
 
 impl Bvh {
     /// Hands every leaf whose box some of `rays` enter to `leaves`, with these rays, nearer boxes first.
+    ///
+    /// # Safety
+    /// The processor has the instruction set of `R`.
     #[inline(always)]
-    pub fn visit_packet<R: Rows>(
+    pub(crate) unsafe fn visit_packet<R: Rows, L: PacketLeaves<R>>(
         &self,
         packet: &mut Packet,
         rays: Mask,
-        leaves: &mut impl Leaves<R>,
+        leaves: &mut L,
     ) {
         // A small stack is faster to set up.
-        if self.depth <= 6 {
-            self.walk_packet::<{ 6 * LEFT + 1 }, R>(packet, rays, leaves);
-        } else if self.depth <= 16 {
-            self.walk_packet::<{ 16 * LEFT + 1 }, R>(packet, rays, leaves);
-        } else {
-            self.walk_packet::<{ MAX_DEPTH * LEFT + 1 }, R>(packet, rays, leaves);
+        // SAFETY: the caller answers for the instruction set.
+        unsafe {
+            if self.depth <= 16 {
+                self.walk_packet::<{ 16 * LEFT + 1 }, R, L>(packet, rays, leaves);
+            } else {
+                self.walk_packet::<{ MAX_DEPTH * LEFT + 1 }, R, L>(packet, rays, leaves);
+            }
         }
     }
 
+    /// # Safety
+    /// The processor has the instruction set of `R`.
     #[inline(always)]
-    fn walk_packet<const STACK: usize, R: Rows>(
+    unsafe fn walk_packet<const STACK: usize, R: Rows, L: PacketLeaves<R>>(
         &self,
         packet: &mut Packet,
         mut alive: Mask,
-        leaves: &mut impl Leaves<R>,
+        leaves: &mut L,
     ) {
         if self.nodes.is_empty() || alive == 0 {
             return;
         }
-        let root = Child::inner(0);
-        let nothing = Task { near: Row::splat(0.0), child: root, rays: 0, first: 0.0 };
-        let mut stack = [nothing; STACK];
+        let mut stack = [Task { near: 0.0, child: Child::inner(0), rays: 0 }; STACK];
         let mut top = 0;
-        let (mut at, mut rays) = (root, alive);
+        let (mut at, mut rays) = (Child::inner(0), alive);
         loop {
-            if let Some(index) = at.node() {
+            if rays.count_ones() <= FEW {
+                while rays != 0 {
+                    let lane = rays.trailing_zeros() as usize % LANES;
+                    rays &= rays - 1;
+                    // SAFETY: the caller answers for the instruction set.
+                    if unsafe { self.walk_alone::<R, L>(packet, lane, at, leaves) } {
+                        alive &= !(1 << lane);
+                    } else if !L::ANY {
+                        packet.shorten(lane, leaves.t_max(lane));
+                    }
+                }
+                if alive == 0 {
+                    return;
+                }
+            } else if let Some(index) = at.node() {
                 let node = &self.nodes[index];
                 let bottom = top;
                 for lane in 0..WIDTH {
@@ -224,21 +277,14 @@ impl Bvh {
                     if entered == 0 {
                         continue;
                     }
-                    let mut task = Task {
-                        near: Row::splat(0.0),
-                        child: node.children[lane],
-                        rays: entered,
-                        first: 0.0,
-                    };
-                    near.store(&mut task.near);
-                    task.first = task.near.0[entered.trailing_zeros() as usize % LANES];
+                    let near = if L::ANY { 0.0 } else { near.least(entered) };
                     // Sorted, the nearest on top.
                     let mut slot = top;
-                    while slot > bottom && stack[slot - 1].first < task.first {
+                    while slot > bottom && stack[slot - 1].near < near {
                         stack[slot] = stack[slot - 1];
                         slot -= 1;
                     }
-                    stack[slot] = task;
+                    stack[slot] = Task { near, child: node.children[lane], rays: entered };
                     top += 1;
                 }
             } else {
@@ -253,13 +299,54 @@ impl Bvh {
                 }
                 top -= 1;
                 let task = &stack[top];
-                // Not `<`: another hit at the same distance may have a lower id.
-                rays = R::load(&task.near).le(R::load(&packet.limit)) & task.rays & alive;
+                rays = task.rays & alive;
+                if !L::ANY {
+                    // Not `<`: another hit at the same distance may have a lower id.
+                    rays &= R::splat(task.near).le(R::load(&packet.limit));
+                }
                 if rays != 0 {
                     at = task.child;
                     break;
                 }
             }
         }
+    }
+
+    /// Lets one ray of a packet walk a part of the tree; whether it needs no more.
+    ///
+    /// # Safety
+    /// The processor has the instruction set of `R`.
+    #[inline(always)]
+    unsafe fn walk_alone<R: Rows, L: PacketLeaves<R>>(
+        &self,
+        packet: &Packet,
+        lane: usize,
+        from: Child,
+        leaves: &mut L,
+    ) -> bool {
+        let ray = packet.one(lane);
+        let t_max = leaves.t_max(lane);
+        let mut alone = Alone { leaves, lane, rows: PhantomData::<R> };
+        // SAFETY: the caller answers for the instruction set.
+        let end = unsafe {
+            walk_below::<R::One, _, _>(self, &ray, from, t_max, &mut NoCount, &mut alone)
+        };
+        end.is_none()
+    }
+}
+
+/// The leaves for one ray of a packet.
+struct Alone<'a, L, R> {
+    leaves: &'a mut L,
+    lane: usize,
+    rows: PhantomData<R>,
+}
+
+impl<R: Rows, L: PacketLeaves<R>> Leaves<R::One, NoCount> for Alone<'_, L, R> {
+    const ANY: bool = L::ANY;
+
+    #[inline(always)]
+    unsafe fn visit(&mut self, items: Range<usize>, t_max: f64, _: &mut NoCount) -> Option<f64> {
+        self.leaves.leaf_alone(items, self.lane, t_max)
     }
 }

@@ -9,6 +9,9 @@
 
 use dioptric_math::Vec4;
 
+use crate::bvh::lanes::Test;
+use crate::bvh::lanes::plain::Plain;
+
 /// Lanes of a packet.
 pub const LANES: usize = 16;
 
@@ -28,7 +31,9 @@ impl Row {
 pub type Mask = u16;
 
 /// Sixteen numbers in registers.
-pub trait Rows: Copy {
+pub(crate) trait Rows: Copy {
+    /// How one ray tests a node's boxes with the same instructions.
+    type One: Test;
     /// The same in all lanes.
     fn splat(x: f32) -> Self;
     /// From memory.
@@ -57,6 +62,8 @@ pub trait Rows: Copy {
     fn sqrt(self) -> Self;
     /// The numbers themselves, but with their signs at least this large.
     fn away_from_zero(self, least: f32) -> Self;
+    /// The smallest number of some lanes, at least one.
+    fn least(self, of: Mask) -> f32;
     /// Where `self <= other`; never where one is NaN.
     fn le(self, other: Self) -> Mask;
 }
@@ -73,6 +80,19 @@ impl Base {
 }
 
 impl Rows for Base {
+    type One = Plain;
+
+    #[inline(always)]
+    fn least(self, of: Mask) -> f32 {
+        let mut row = Row::splat(0.0);
+        self.store(&mut row);
+        let mut least = f32::INFINITY;
+        for (lane, x) in row.0.iter().enumerate() {
+            least = if of & 1 << lane != 0 && *x < least { *x } else { least };
+        }
+        least
+    }
+
     #[inline(always)]
     fn splat(x: f32) -> Self {
         Self([Vec4::splat(x); 4])
@@ -170,6 +190,28 @@ pub mod x86 {
     // the walks that use these types are instantiated in functions with those features only, which are called
     // after `Lanes` found them. Rows are aligned to 64 bytes and 64 bytes long.
     impl Rows for Avx2 {
+        type One = crate::bvh::lanes::avx2::Avx2;
+
+        #[inline(always)]
+        fn least(self, of: Mask) -> f32 {
+            unsafe {
+                let bits = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+                let (low, high) = (i32::from(of & 255), i32::from(of >> 8));
+                let (low, high) = (_mm256_set1_epi32(low), _mm256_set1_epi32(high));
+                let low = _mm256_cmpeq_epi32(_mm256_and_si256(low, bits), bits);
+                let high = _mm256_cmpeq_epi32(_mm256_and_si256(high, bits), bits);
+                let all = _mm256_set1_ps(f32::INFINITY);
+                let least = _mm256_min_ps(
+                    _mm256_blendv_ps(all, self.0, _mm256_castsi256_ps(low)),
+                    _mm256_blendv_ps(all, self.1, _mm256_castsi256_ps(high)),
+                );
+                let four =
+                    _mm_min_ps(_mm256_castps256_ps128(least), _mm256_extractf128_ps::<1>(least));
+                let two = _mm_min_ps(four, _mm_movehl_ps(four, four));
+                _mm_cvtss_f32(_mm_min_ss(two, _mm_movehdup_ps(two)))
+            }
+        }
+
         #[inline(always)]
         fn splat(x: f32) -> Self {
             let v = unsafe { _mm256_set1_ps(x) };
@@ -268,6 +310,13 @@ pub mod x86 {
     }
 
     impl Rows for Avx512 {
+        type One = crate::bvh::lanes::avx512::Avx512;
+
+        #[inline(always)]
+        fn least(self, of: Mask) -> f32 {
+            unsafe { _mm512_mask_reduce_min_ps(of, self.0) }
+        }
+
         #[inline(always)]
         fn splat(x: f32) -> Self {
             unsafe { Self(_mm512_set1_ps(x)) }
