@@ -221,9 +221,13 @@ impl<R: Rows, const ANY: bool> PacketLeaves<R> for Objects<'_, '_, '_, ANY> {
     const ANY: bool = ANY;
 
     #[inline(always)]
-    fn leaf_alone(&mut self, items: Range<usize>, lane: usize, _: f64) -> Option<f64> {
-        for object in self.objects.get(items).unwrap_or_default() {
-            if self.world.test_one::<ANY>(self.walk, object, lane) {
+    fn leaf_alone(&mut self, items: Range<usize>, lane: usize, packet: &Packet) -> Option<f64> {
+        let filters = self.level.filters.get(items.clone()).unwrap_or_default();
+        for (filter, object) in filters.iter().zip(self.objects.get(items).unwrap_or_default()) {
+            // For all sixteen, which takes less than most exact tests. (The packet's limits may be old.)
+            if filter.test::<R>(packet) & 1 << lane != 0
+                && self.world.test_one::<ANY>(self.walk, object, lane)
+            {
                 return None;
             }
         }

@@ -200,9 +200,8 @@ pub(crate) trait PacketLeaves<R: Rows> {
     /// Tests a leaf's items for `rays`. May shorten rays; returns those that need no more leaves.
     fn leaf(&mut self, items: Range<usize>, rays: Mask, packet: &mut Packet) -> Mask;
 
-    /// Tests a leaf's items for one ray that goes to `t_max`: the new `t_max`, or nothing if it needs no more
-    /// leaves.
-    fn leaf_alone(&mut self, items: Range<usize>, lane: usize, t_max: f64) -> Option<f64>;
+    /// Tests a leaf's items for one of the rays: the new `t_max`, or nothing if it needs no more leaves.
+    fn leaf_alone(&mut self, items: Range<usize>, lane: usize, packet: &Packet) -> Option<f64>;
 
     /// How far a ray goes, in units of its direction.
     fn t_max(&self, lane: usize) -> f64;
@@ -326,7 +325,7 @@ impl Bvh {
     ) -> bool {
         let ray = packet.one(lane);
         let t_max = leaves.t_max(lane);
-        let mut alone = Alone { leaves, lane, rows: PhantomData::<R> };
+        let mut alone = Alone { leaves, lane, packet, rows: PhantomData::<R> };
         // SAFETY: the caller answers for the instruction set.
         let end = unsafe {
             walk_below::<R::One, _, _>(self, &ray, from, t_max, &mut NoCount, &mut alone)
@@ -339,6 +338,7 @@ impl Bvh {
 struct Alone<'a, L, R> {
     leaves: &'a mut L,
     lane: usize,
+    packet: &'a Packet,
     rows: PhantomData<R>,
 }
 
@@ -346,7 +346,7 @@ impl<R: Rows, L: PacketLeaves<R>> Leaves<R::One, NoCount> for Alone<'_, L, R> {
     const ANY: bool = L::ANY;
 
     #[inline(always)]
-    unsafe fn visit(&mut self, items: Range<usize>, t_max: f64, _: &mut NoCount) -> Option<f64> {
-        self.leaves.leaf_alone(items, self.lane, t_max)
+    unsafe fn visit(&mut self, items: Range<usize>, _: f64, _: &mut NoCount) -> Option<f64> {
+        self.leaves.leaf_alone(items, self.lane, self.packet)
     }
 }
