@@ -129,7 +129,7 @@ pub fn run(args: &RenderArgs, terminal: &Terminal) -> Result<(), Failure> {
             output.write(&sample_map(&film, output)?)?;
         }
         interrupt.busy(false);
-        stopped = !film.finished();
+        stopped = !stats.finished;
         if stopped {
             note(&format!("{}: unfinished, stopped at {}\n", task.output, done(&film, &scene)));
         }

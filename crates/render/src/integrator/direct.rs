@@ -106,14 +106,14 @@ impl<R: Recorder> Whitted<'_, '_, R> {
             }
             if n > 1 {
                 for u in met.stream.pairs(n) {
-                    light_sample::<R>(&met.point, of, placed, u, share, scratch);
+                    light_sample::<R>(met, of, placed, u, share, scratch);
                 }
             } else if placed.light.is_sharp() {
                 met.stream.skip();
-                light_sample::<R>(&met.point, of, placed, [0.5; 2], 1.0, scratch);
+                light_sample::<R>(met, of, placed, [0.5; 2], 1.0, scratch);
             } else {
                 let u = met.stream.next_2d();
-                light_sample::<R>(&met.point, of, placed, u, 1.0, scratch);
+                light_sample::<R>(met, of, placed, u, 1.0, scratch);
             }
             if scratch.tasks.len() >= TOGETHER {
                 self.cast_shadows(points, scratch);
@@ -154,10 +154,13 @@ impl<R: Recorder> Whitted<'_, '_, R> {
             };
             let sum = &mut sums[task.of];
             if visibility != Spectrum::ZERO {
-                // Only now: the highlight costs more than all the rest.
-                let highlight = shine(&points[task.of].point, query.ray.direction, task.arriving);
                 sum.diffuse += task.diffuse * visibility;
-                sum.highlight += highlight * visibility;
+                // Only now: the highlight costs more than all the rest.
+                let point = &points[task.of].point;
+                if point.finish.highlight.is_some() {
+                    let highlight = shine(point, query.ray.direction, task.arriving);
+                    sum.highlight += highlight * visibility;
+                }
             }
             if R::ENABLED {
                 let told = &mut told[task.of];
@@ -252,14 +255,16 @@ fn lit(met: &Met) -> bool {
 }
 
 /// Takes one sample of a light, and asks for the ray to it if it could add something.
+#[inline]
 fn light_sample<R: Recorder>(
-    point: &Point,
+    met: &Met,
     of: usize,
     placed: &PlacedLight,
     u: [f64; 2],
     share: f64,
     scratch: &mut Scratch,
 ) {
+    let point = &met.point;
     let Some(light) = placed.light.sample(point.surface.point, u) else { return };
     let cosine = point.normal.dot(light.direction);
     if R::ENABLED {
@@ -281,11 +286,15 @@ fn light_sample<R: Recorder>(
     if diffuse == Spectrum::ZERO && shine(point, light.direction, arriving) == Spectrum::ZERO {
         return;
     }
-    scratch.queries.push(point.back(light.direction).query(light.distance));
+    let mut query = met.shadow;
+    query.ray.direction = light.direction;
+    query.t_max = light.distance;
+    scratch.queries.push(query);
     scratch.tasks.push(Task { of, share, diffuse, arriving });
 }
 
 /// A light's highlight at a point.
+#[inline]
 fn shine(point: &Point, to_light: DVec3, arriving: Spectrum) -> Spectrum {
     match &point.finish.highlight {
         Some(h) => h.color * arriving * strength(h, point.normal, to_light, -point.ray.direction),

@@ -81,6 +81,19 @@ impl<'a> Point<'a> {
         self.spawn(direction, true)
     }
 
+    /// A ray to a light in front of the surface, but for its direction and length. (Made once for all lights:
+    /// it is put together from small parts, and copying those soon after they were written is slow.)
+    pub fn to_light(&self) -> Query {
+        let Ray { time, .. } = self.ray;
+        let SurfacePoint { point: origin, error, .. } = self.surface;
+        Query {
+            ray: Ray { origin, direction: DVec3::ZERO, time, error },
+            t_max: 0.0,
+            departure: Some(Departure { from: self.hit.id, outward: self.outside }),
+            contacts: Contacts { crossed: false, except: self.arrived },
+        }
+    }
+
     fn spawn(&self, direction: DVec3, crossed: bool) -> Leg {
         let contacts = Contacts { crossed, except: self.arrived };
         Leg { contacts, ..leave(&self.ray, self.hit.id, &self.surface, direction) }

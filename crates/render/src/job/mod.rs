@@ -204,7 +204,9 @@ struct PassProgress {
 impl State {
     fn store(&mut self, tile: Sampled, around: &Region, finished: bool, control: &Control) {
         for (i, ([x, y], pixel)) in tile.region.pixels().zip(&tile.pixels).enumerate() {
-            let Some(pixel) = pixel else { continue };
+            if !tile.complete.get(i).copied().unwrap_or(false) {
+                continue;
+            }
             self.progress.done += 1;
             if let Some(summary) = tile.summaries.get(i) {
                 let index = around.index(x, y);

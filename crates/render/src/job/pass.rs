@@ -16,8 +16,10 @@ use crate::stats::RayCounts;
 /// The samples of one tile.
 pub(super) struct Sampled {
     pub region: Region,
-    /// Row by row; `None` for pixels that were left alone.
-    pub pixels: Vec<Option<FilmPixel>>,
+    /// Row by row.
+    pub pixels: Vec<FilmPixel>,
+    /// Which of them got all their samples; the others were left alone or cut off.
+    pub complete: Vec<bool>,
     /// Row by row, of adaptive pictures; else empty.
     pub summaries: Vec<Summary>,
     pub rays: RayCounts,
@@ -103,17 +105,19 @@ pub(super) fn sample_tile(
 }
 
 /// The pixels of a tile, block by block.
-fn blocks(tile: &Region) -> impl Iterator<Item = [u32; 2]> + use<> {
-    let Region { x, y, width, height } = *tile;
-    let block = move |left: u32, top: u32| Region {
-        x: x + left,
-        y: y + top,
-        width: BLOCK.min(width - left),
-        height: BLOCK.min(height - top),
-    };
-    (0..height).step_by(BLOCK as usize).flat_map(move |top| {
-        (0..width).step_by(BLOCK as usize).flat_map(move |left| block(left, top).pixels())
-    })
+fn blocks(tile: &Region) -> Vec<[u32; 2]> {
+    let mut pixels = Vec::with_capacity(tile.area() as usize);
+    let ends = |start: u32, length: u32| (start + BLOCK).min(length);
+    for top in (0..tile.height).step_by(BLOCK as usize) {
+        for left in (0..tile.width).step_by(BLOCK as usize) {
+            for row in top..ends(top, tile.height) {
+                for column in left..ends(left, tile.width) {
+                    pixels.push([tile.x + column, tile.y + row]);
+                }
+            }
+        }
+    }
+    pixels
 }
 
 /// A tile being sampled.
@@ -163,10 +167,7 @@ impl Work<'_> {
         for (summary, pixel) in summaries.iter_mut().zip(&base) {
             summary.finish(pixel);
         }
-        let complete = |(pixel, added): (FilmPixel, u32)| {
-            (added == wanted && !pixel.finished).then_some(pixel)
-        };
-        let pixels = base.into_iter().zip(added).map(complete).collect();
-        Sampled { region, pixels, summaries, rays }
+        let complete = base.iter().zip(added).map(|(p, n)| n == wanted && !p.finished).collect();
+        Sampled { region, pixels: base, complete, summaries, rays }
     }
 }

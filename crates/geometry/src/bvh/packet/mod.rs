@@ -9,6 +9,7 @@
 pub mod rows;
 
 use std::marker::PhantomData;
+use std::mem::MaybeUninit;
 use std::ops::Range;
 
 use dioptric_math::DVec3;
@@ -242,8 +243,7 @@ impl Bvh {
         if self.nodes.is_empty() || alive == 0 {
             return;
         }
-        let mut stack = [Task { near: 0.0, child: Child::inner(0), rays: 0 }; STACK];
-        let mut top = 0;
+        let mut stack = Stack::<STACK>::new();
         let (mut at, mut rays) = (Child::inner(0), alive);
         loop {
             if rays.count_ones() <= FEW {
@@ -262,7 +262,7 @@ impl Bvh {
                 }
             } else if let Some(index) = at.node() {
                 let node = &self.nodes[index];
-                let bottom = top;
+                let bottom = stack.top;
                 for lane in 0..WIDTH {
                     let p = &node.planes;
                     // Children that are missing are last.
@@ -277,14 +277,12 @@ impl Bvh {
                         continue;
                     }
                     let near = if L::ANY { 0.0 } else { near.least(entered) };
-                    // Sorted, the nearest on top.
-                    let mut slot = top;
-                    while slot > bottom && stack[slot - 1].near < near {
-                        stack[slot] = stack[slot - 1];
-                        slot -= 1;
+                    let task = Task { near, child: node.children[lane], rays: entered };
+                    if L::ANY {
+                        stack.push(task);
+                    } else {
+                        stack.insert(bottom, task);
                     }
-                    stack[slot] = Task { near, child: node.children[lane], rays: entered };
-                    top += 1;
                 }
             } else {
                 alive &= !leaves.leaf(at.items(), rays, packet);
@@ -293,11 +291,7 @@ impl Bvh {
                 }
             }
             loop {
-                if top == 0 {
-                    return;
-                }
-                top -= 1;
-                let task = &stack[top];
+                let Some(task) = stack.pop() else { return };
                 rays = task.rays & alive;
                 if !L::ANY {
                     // Not `<`: another hit at the same distance may have a lower id.
@@ -331,6 +325,50 @@ impl Bvh {
             walk_below::<R::One, _, _>(self, &ray, from, t_max, &mut NoCount, &mut alone)
         };
         end.is_none()
+    }
+}
+
+/// Room for what the longest way leaves behind. It is not cleared, which would take as long as some walks.
+struct Stack<const ROOM: usize> {
+    tasks: [MaybeUninit<Task>; ROOM],
+    /// The tasks below are set.
+    top: usize,
+}
+
+impl<const ROOM: usize> Stack<ROOM> {
+    #[inline(always)]
+    const fn new() -> Self {
+        Self { tasks: [const { MaybeUninit::uninit() }; ROOM], top: 0 }
+    }
+
+    #[inline(always)]
+    fn push(&mut self, task: Task) {
+        self.tasks[self.top] = MaybeUninit::new(task);
+        self.top += 1;
+    }
+
+    /// Adds one to those above `bottom`, which are sorted, the nearest on top.
+    #[inline(always)]
+    fn insert(&mut self, bottom: usize, task: Task) {
+        let mut slot = self.top;
+        self.push(task);
+        while slot > bottom {
+            // SAFETY: the tasks below `top` are set.
+            let below = unsafe { self.tasks[slot - 1].assume_init() };
+            if below.near >= task.near {
+                break;
+            }
+            self.tasks[slot] = MaybeUninit::new(below);
+            slot -= 1;
+        }
+        self.tasks[slot] = MaybeUninit::new(task);
+    }
+
+    #[inline(always)]
+    fn pop(&mut self) -> Option<Task> {
+        self.top = self.top.checked_sub(1)?;
+        // SAFETY: the tasks below the former `top` are set.
+        Some(unsafe { self.tasks[self.top].assume_init() })
     }
 }
 
