@@ -22,11 +22,11 @@ fn vector(random: &mut Random, size: f64) -> DVec3 {
 fn compare(name: &str, world: &mut World, queries: &[Query]) -> usize {
     let alone: Vec<_> = queries
         .iter()
-        .map(|q| world.closest_past(&q.ray, q.t_max, q.departure.as_ref(), q.contacts))
+        .map(|q| world.closest_past(&q.ray, q.t_max, q.departure().as_ref(), q.contacts()))
         .collect();
     let blocked: Vec<_> = queries
         .iter()
-        .map(|q| world.occluded_past(&q.ray, q.t_max, q.departure.as_ref(), q.contacts))
+        .map(|q| world.occluded_past(&q.ray, q.t_max, q.departure().as_ref(), q.contacts()))
         .collect();
     let (mut hits, mut blockers) = (Vec::new(), Vec::new());
     for lanes in [Lanes::Plain, Lanes::Avx2, Lanes::Avx512] {
@@ -45,7 +45,7 @@ fn compare(name: &str, world: &mut World, queries: &[Query]) -> usize {
 /// Rays of all sorts: side by side and criss-cross, those that leave what others hit, some that are none.
 fn queries(world: &World, random: &mut Random, size: f64) -> Vec<Query> {
     let mut all = Vec::new();
-    let plain = |ray, t_max| Query { ray, t_max, departure: None, contacts: Contacts::CROSSED };
+    let plain = |ray, t_max| Query::new(ray, t_max, None, Contacts::CROSSED);
     for i in 0..60 {
         let from = vector(random, 2.0 * size);
         let to = vector(random, 0.7 * size) - from;
@@ -68,7 +68,7 @@ fn queries(world: &World, random: &mut Random, size: f64) -> Vec<Query> {
         let outward = direction.dot(s.normal) > 0.0;
         let departure = Some(Departure { from: hit.id, outward });
         let contacts = Contacts { crossed: outward, except: None };
-        next.push(Query { ray, t_max: f64::INFINITY, departure, contacts });
+        next.push(Query::new(ray, f64::INFINITY, departure, contacts));
     }
     all.extend(next);
     for wrong in [f64::NAN, f64::INFINITY, 0.0, 1e300, 1e-300] {
@@ -103,7 +103,7 @@ fn one(specimen: &Specimen, random: &mut Random) -> usize {
     let middle = if middle.is_finite() { middle } else { DVec3::ZERO };
     let mut queries = queries(&world, random, size);
     for query in &mut queries {
-        if query.departure.is_none() {
+        if query.departure().is_none() {
             query.ray.origin += middle;
         }
     }
@@ -148,7 +148,7 @@ fn crowds_with_transforms_instances_and_planes() {
         let mut world = builder.build();
         let mut queries = queries(&world, &mut random, 4.0 * scale);
         for query in &mut queries {
-            if query.departure.is_none() {
+            if query.departure().is_none() {
                 query.ray.origin += DVec3::splat(moved);
             }
         }

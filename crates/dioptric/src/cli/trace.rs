@@ -235,12 +235,8 @@ const BATCH: usize = 128;
 /// The answers of [`distance`] or [`any`], found for neighbours at once.
 fn batches(world: &World, rays: &[[u8; RAY_BYTES]], answers: &mut [f32], is_any: bool) {
     rays.par_chunks(BATCH).zip(answers.par_chunks_mut(BATCH)).for_each(|(rays, answers)| {
-        let query = |ray: &[u8; RAY_BYTES]| Query {
-            ray: parse(ray),
-            t_max: f64::INFINITY,
-            departure: None,
-            contacts: Contacts::CROSSED,
-        };
+        let query =
+            |ray: &[u8; RAY_BYTES]| Query::new(parse(ray), f64::INFINITY, None, Contacts::CROSSED);
         let queries: Vec<Query> = rays.iter().map(query).collect();
         if is_any {
             let mut blockers = Vec::with_capacity(rays.len());

@@ -16,16 +16,58 @@ use crate::bvh::packet::{Packet, PacketLeaves};
 use crate::ray::{Contacts, Departure, HitId, LocalRay, Ray};
 
 /// One ray of a batch, with what [`World::closest_past`] takes.
+///
+/// Kept flat: batches are written and copied all the time, and options with odd sizes made that slow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Query {
     /// The ray.
     pub ray: Ray,
     /// How far it goes, in units of its direction.
     pub t_max: f64,
-    /// The point that it leaves.
-    pub departure: Option<Departure>,
+    from: HitId,
+    except: HitId,
+    flags: u32,
+}
+
+const LEAVES: u32 = 1;
+const OUTWARD: u32 = 2;
+const CROSSES: u32 = 4;
+const EXCEPTS: u32 = 8;
+
+impl Query {
+    /// A question to [`World::closest_each`] or [`World::blocker_each`].
+    #[inline]
+    #[must_use]
+    pub fn new(ray: Ray, t_max: f64, departure: Option<Departure>, contacts: Contacts) -> Self {
+        let nobody = HitId { instance: 0, object: 0, part: 0 };
+        let flag = |set: bool, flag: u32| if set { flag } else { 0 };
+        Self {
+            ray,
+            t_max,
+            from: departure.map_or(nobody, |d| d.from),
+            except: contacts.except.unwrap_or(nobody),
+            flags: flag(departure.is_some(), LEAVES)
+                | flag(departure.is_some_and(|d| d.outward), OUTWARD)
+                | flag(contacts.crossed, CROSSES)
+                | flag(contacts.except.is_some(), EXCEPTS),
+        }
+    }
+
+    /// The point that the ray leaves.
+    #[inline]
+    #[must_use]
+    pub fn departure(&self) -> Option<Departure> {
+        let outward = self.flags & OUTWARD != 0;
+        (self.flags & LEAVES != 0).then_some(Departure { from: self.from, outward })
+    }
+
     /// What becomes of other surfaces at that point.
-    pub contacts: Contacts,
+    #[inline]
+    #[must_use]
+    pub fn contacts(&self) -> Contacts {
+        let except = (self.flags & EXCEPTS != 0).then_some(self.except);
+        Contacts { crossed: self.flags & CROSSES != 0, except }
+    }
 }
 
 /// Up to sixteen rays and what they have hit so far.
@@ -130,12 +172,12 @@ impl World {
     /// Answers a query by a single ray's walk.
     #[cold]
     fn alone<const ANY: bool>(&self, walk: &mut Walk, lane: usize, query: &Query) {
-        let departure = query.departure.as_ref();
-        let Query { ray, t_max, contacts, .. } = query;
+        let (departure, contacts) = (query.departure(), query.contacts());
+        let (departure, Query { ray, t_max, .. }) = (departure.as_ref(), query);
         let best = if ANY {
-            self.blocker_past(ray, *t_max, departure, *contacts).map(|id| Hit { t: 0.0, id })
+            self.blocker_past(ray, *t_max, departure, contacts).map(|id| Hit { t: 0.0, id })
         } else {
-            self.closest_past(ray, *t_max, departure, *contacts)
+            self.closest_past(ray, *t_max, departure, contacts)
         };
         if let Some(hit) = best {
             walk.keep(lane, hit);
@@ -160,17 +202,17 @@ impl World {
     fn test_one<const ANY: bool>(&self, walk: &mut Walk, object: &Object, lane: usize) -> bool {
         let Some(query) = walk.queries.get(lane) else { return false };
         let id = HitId { instance: HitId::NO_INSTANCE, object: object.id, part: 0 };
-        let departure = query.departure.as_ref();
+        let leaves = query.flags & LEAVES != 0 && query.from.same_object(&id);
         let local = LocalRay {
             origin: query.ray.origin,
             direction: query.ray.direction,
             error: query.ray.error,
             t_max: walk.t[lane],
-            leaving: departure.filter(|d| d.from.same_object(&id)).map(leaving),
+            leaving: query.departure().filter(|_| leaves).as_ref().map(leaving),
         };
         let root = match self.transform(object.transform) {
-            None => meet(id.instance, object, &local, query.contacts),
-            transform => meet(id.instance, object, &into(transform, &local), query.contacts),
+            None => meet(id.instance, object, &local, query.contacts()),
+            transform => meet(id.instance, object, &into(transform, &local), query.contacts()),
         };
         let Some(root) = root else { return false };
         let hit = Hit { t: root.t, id: HitId { part: root.part, ..id } };
@@ -195,12 +237,13 @@ impl World {
             if rays & bit == 0 || (ANY && walk.hit & bit != 0) {
                 continue;
             }
-            let departure = query.departure.as_ref();
+            let departure = query.departure();
+            let departure = departure.as_ref();
             let best = walk.best(lane);
             let found = if ANY {
-                self.any_instance(&query.ray, query.t_max, departure, query.contacts)
+                self.any_instance(&query.ray, query.t_max, departure, query.contacts())
             } else {
-                self.nearest_instance(&query.ray, walk.t[lane], departure, query.contacts)
+                self.nearest_instance(&query.ray, walk.t[lane], departure, query.contacts())
             };
             if let Some(hit) = found.filter(|hit| hit.comes_before(best)) {
                 walk.keep(lane, hit);

@@ -22,13 +22,13 @@ pub(super) struct Leg {
 impl Leg {
     /// The leg of a question that [`Self::query`] made.
     pub fn of(query: &Query) -> Option<Self> {
-        let Query { ray, departure, contacts, .. } = *query;
-        departure.map(|departure| Self { ray, departure, contacts })
+        let (ray, contacts) = (query.ray, query.contacts());
+        query.departure().map(|departure| Self { ray, departure, contacts })
     }
 
     /// The question what is within a distance.
     pub fn query(&self, t_max: f64) -> Query {
-        Query { ray: self.ray, t_max, departure: Some(self.departure), contacts: self.contacts }
+        Query::new(self.ray, t_max, Some(self.departure), self.contacts)
     }
 }
 
@@ -81,17 +81,14 @@ impl<'a> Point<'a> {
         self.spawn(direction, true)
     }
 
-    /// A ray to a light in front of the surface, but for its direction and length. (Made once for all lights:
-    /// it is put together from small parts, and copying those soon after they were written is slow.)
+    /// A ray to a light in front of the surface, but for its direction and length.
     pub fn to_light(&self) -> Query {
         let Ray { time, .. } = self.ray;
         let SurfacePoint { point: origin, error, .. } = self.surface;
-        Query {
-            ray: Ray { origin, direction: DVec3::ZERO, time, error },
-            t_max: 0.0,
-            departure: Some(Departure { from: self.hit.id, outward: self.outside }),
-            contacts: Contacts { crossed: false, except: self.arrived },
-        }
+        let ray = Ray { origin, direction: DVec3::ZERO, time, error };
+        let departure = Departure { from: self.hit.id, outward: self.outside };
+        let contacts = Contacts { crossed: false, except: self.arrived };
+        Query::new(ray, 0.0, Some(departure), contacts)
     }
 
     fn spawn(&self, direction: DVec3, crossed: bool) -> Leg {

@@ -115,7 +115,7 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
             let id = self.recorder.begin(None, RayKind::Camera, &ray);
             let node = self.nodes.add(id, Above::Sample(sample), Spectrum::ONE, inside);
             let contacts = Contacts::CROSSED;
-            self.queries.push(Query { ray, t_max: f64::INFINITY, departure: None, contacts });
+            self.queries.push(Query::new(ray, f64::INFINITY, None, contacts));
             self.legs.push(Follow { node, state, stream });
         }
         let mut round = Round::default();
@@ -144,7 +144,7 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
             match hit.and_then(|hit| self.resolve(query, hit, leg.state.inside, spare)) {
                 Some((hit, shading)) => {
                     self.nodes[leg.node].distance = hit.t;
-                    let point = Point::new(&query.ray, hit, shading, query.departure.as_ref());
+                    let point = Point::new(&query.ray, hit, shading, query.departure().as_ref());
                     met.push(self.meet(point, leg));
                 }
                 None => {
@@ -254,7 +254,8 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
         })?;
         if let Some(around) = self.media.top(inside).filter(|m| !m.object.same_object(&hit.id)) {
             let id = around.object;
-            let departure = query.departure.as_ref();
+            let departure = query.departure();
+            let departure = departure.as_ref();
             if let Some(exit) =
                 scene.world.closest_of(ray, f64::INFINITY, departure, id.instance, id.object)
             {
