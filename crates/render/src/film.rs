@@ -10,6 +10,7 @@
 use dioptric_image::{Encoding, Image, LayerData, Layers};
 use dioptric_math::{DVec3, Spectrum};
 use dioptric_scene::Diagnostic;
+use rayon::iter::IndexedParallelIterator;
 
 use crate::region::Region;
 use crate::stats::RayCounts;
@@ -217,11 +218,14 @@ impl Film {
     }
 }
 
+/// From here on it takes as long as some rendering until the memory has been touched: by all threads, then.
+const LARGE: usize = 1 << 16;
+
 /// One default value for each pixel of a region.
 ///
 /// # Errors
 /// There is not enough memory.
-pub(crate) fn filled<T: Clone + Default>(region: &Region) -> Result<Vec<T>, Diagnostic> {
+pub(crate) fn filled<T: Clone + Default + Send>(region: &Region) -> Result<Vec<T>, Diagnostic> {
     let mut values = Vec::new();
     let count = usize::try_from(region.area()).unwrap_or(usize::MAX);
     values.try_reserve_exact(count).map_err(|_| {
@@ -229,7 +233,12 @@ pub(crate) fn filled<T: Clone + Default>(region: &Region) -> Result<Vec<T>, Diag
         let message = format!("not enough memory for a picture of {width} x {height} pixels");
         Diagnostic::error("out-of-memory", message).help("make it smaller, or render it in crops")
     })?;
-    values.resize(count, T::default());
+    // Outside a pool rayon would start the global one.
+    if count >= LARGE && rayon::current_thread_index().is_some() {
+        rayon::iter::repeat_n(T::default(), count).collect_into_vec(&mut values);
+    } else {
+        values.resize(count, T::default());
+    }
     Ok(values)
 }
 

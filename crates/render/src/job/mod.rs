@@ -109,8 +109,8 @@ pub fn render(
     let adaptive = settings.antialias == Antialias::Adaptive;
     let around = if adaptive { region.grown(settings.size) } else { region };
     let mut state = State {
-        film: Film::new(region)?,
-        summaries: if adaptive { filled(&around)? } else { Vec::new() },
+        film: pool.install(|| Film::new(region))?,
+        summaries: if adaptive { pool.install(|| filled(&around))? } else { Vec::new() },
         progress: PassProgress {
             pass: 0,
             passes: 1 + u32::from(adaptive),
