@@ -242,7 +242,7 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
         query: &Query,
         hit: Hit,
         inside: Inside,
-        spare: &mut Vec<Box<Finish>>,
+        spare: &mut Spare,
     ) -> Option<(Hit, Shading<'a>)> {
         let (scene, ray) = (self.scene, &query.ray);
         let shading = scene.shading_in(ray, &hit, |finish| match spare.pop() {
@@ -366,12 +366,16 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
     }
 }
 
+/// Boxes that are used again.
+#[expect(clippy::vec_box, reason = "the boxes themselves are handed out and taken back")]
+type Spare = Vec<Box<Finish>>;
+
 /// Memory that the rounds of a batch use again.
 #[derive(Default)]
 struct Round<'a> {
     met: Vec<Met<'a>>,
     /// Boxes for answers of materials with patterns.
-    answers: Vec<Box<Finish>>,
+    answers: Spare,
     queries: Vec<Query>,
     legs: Vec<Follow>,
     hits: Vec<Option<Hit>>,
