@@ -53,7 +53,7 @@ const ROUND: f64 = 6_755_399_441_055_744.0; // 1.5 x 2^52
 /// What is out of range is left to [`crate::pow`].
 #[must_use]
 pub fn unit_power(x: f64, n: f64) -> f64 {
-    if !(x >= f64::MIN_POSITIVE && x < 1.0 && (0.0..=1e9).contains(&n)) {
+    if !((f64::MIN_POSITIVE..1.0).contains(&x) && (0.0..=1e9).contains(&n)) {
         return if x == 1.0 && n.is_finite() { 1.0 } else { crate::pow(x, n) };
     }
     // x = 2^e m with m in [1, 2), and m = c (1 + r) with |r| <= 2^-7.

@@ -367,7 +367,6 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
 }
 
 /// Boxes that are used again.
-#[expect(clippy::vec_box, reason = "the boxes themselves are handed out and taken back")]
 type Spare = Vec<Box<Finish>>;
 
 /// Memory that the rounds of a batch use again.
