@@ -205,7 +205,7 @@ impl<S: Pooled> Pool<S> {
         } else {
             let alone = LocalRay { leaving: None, ..*ray };
             let root = item.intersect(&alone)?;
-            let surface = item.surface(ray.at(root.t), root.part);
+            let surface = item.surface_point(ray.at(root.t), root.part);
             if root.t * ray.direction.length() > ray.error + surface.error {
                 root
             } else {

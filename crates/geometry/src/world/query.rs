@@ -478,7 +478,7 @@ pub(super) fn meet(
     if contacts == Contacts::CROSSED || far || ray.leaving.is_some() {
         return Some(root);
     }
-    let surface = object.shape.surface(ray.at(root.t), root.part);
+    let surface = object.shape.surface_point(ray.at(root.t), root.part);
     let rising = ray.direction.dot(surface.normal);
     let touches = root.t * rising.abs() <= ray.error + surface.error;
     let id = HitId { instance, object: object.id, part: root.part };
@@ -558,10 +558,10 @@ fn solid_hits(object: &Object, ray: &LocalRay, out: &mut Vec<Crossing>) {
         if ray.leaving.is_some() {
             return false;
         }
-        let surface = object.shape.surface(ray.at(c.t), c.part);
+        let surface = object.shape.surface_point(ray.at(c.t), c.part);
         let speed = ray.direction.dot(surface.normal).abs();
         // A line that slides along the surface far behind has no speed.
-        let own = object.shape.surface(ray.origin, c.part);
+        let own = object.shape.surface_point(ray.origin, c.part);
         match ray.accept(c.t, speed, surface.error) {
             Some(t) if ray.starts_at(own.point, own.error) => {
                 c.t = t;
@@ -582,7 +582,7 @@ fn surface_hits(object: &Object, ray: &LocalRay, out: &mut Vec<Crossing>) {
         if !(t <= ray.t_max) {
             return;
         }
-        let surface = object.shape.surface(next.at(root.t), root.part);
+        let surface = object.shape.surface_point(next.at(root.t), root.part);
         let outward = ray.direction.dot(surface.normal) > 0.0;
         out.push(Crossing { t, part: root.part, enters: !outward });
         travelled = t;
