@@ -153,7 +153,11 @@ static double brute_force(const Scene& scene, const Ray& ray) {
     return least;
 }
 
-static bool same(double a, double b) { return a == b || std::abs(a - b) <= 1e-4 * std::max(std::abs(a), std::abs(b)); }
+/// Whether two distances agree: both infinite, or near to each other.
+static bool same(double a, double b) {
+    const double larger = std::max(std::abs(a), std::abs(b));
+    return a == b || (larger < INF && std::abs(a - b) <= 1e-4 * larger);
+}
 
 static void compare(char** words) {
     const Scene scene = read_ply(words[0]);
