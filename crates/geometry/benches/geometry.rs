@@ -3,18 +3,20 @@
 //! `cargo bench -p dioptric-geometry`.
 #![allow(missing_docs)] // of what criterion's macros make
 
+use std::f64::consts::PI;
 use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Duration;
 
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
 use dioptric_geometry::shapes::{
-    cone::Cone, cuboid::Cuboid, cylinder::Cylinder, disc::Disc, rectangle::Rectangle,
-    sphere::Sphere, tetrahedron::Tetrahedron, torus::Torus, triangle::Triangle,
+    cone::Cone, cuboid::Cuboid, cylinder::Cylinder, disc::Disc, polygon::Polygon,
+    rectangle::Rectangle, sphere::Sphere, tetrahedron::Tetrahedron, torus::Torus,
+    triangle::Triangle,
 };
 use dioptric_geometry::{AnyShape, LocalRay, Mesh, MeshData, Ray, Shape, World, WorldBuilder};
 use dioptric_math::random::Random;
-use dioptric_math::{DAffine3, DVec3};
+use dioptric_math::{DAffine3, DVec3, cos, sin};
 
 /// Rays of each benchmark; all are cast in each round.
 const RAYS: u32 = 4096;
@@ -59,6 +61,19 @@ fn shapes(c: &mut Criterion) {
     for (name, shape) in &built {
         if let Some(shape) = shape {
             bench(name, &**shape);
+        }
+    }
+    // A square, and a wheel with teeth.
+    let ring = |n: u32, tooth: f64| {
+        let corner = |i| {
+            let turn = 2.0 * PI * f64::from(i) / f64::from(n);
+            (x * cos(turn) + y * sin(turn)) * if i % 4 < 2 { 1.0 } else { tooth }
+        };
+        (0..n).map(corner).collect::<Vec<_>>()
+    };
+    for (name, ring) in [("polygon of 4", ring(4, 1.0)), ("polygon of 144", ring(144, 0.9))] {
+        if let Ok(polygon) = Polygon::new([ring]) {
+            bench(name, &polygon);
         }
     }
 }

@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The solid between two parallel circles on one axis: what cylinders, cones and cut cones share.
 
+mod args;
+#[cfg(test)]
+mod tests;
+
+pub(crate) use args::{ends, no_length};
+
 use std::f64::consts::PI;
 
 use dioptric_math::bounds::gamma;
 use dioptric_math::{DVec2, DVec3, normalize};
-use dioptric_scene::{Args, Diagnostic};
 
 use super::convex::{Chord, root};
 use super::disc::circle_bounds;
@@ -363,34 +368,6 @@ impl Frustum {
     }
 }
 
-/// The base and the way from there to the top, from the arguments `base`, `height` and `top`.
-pub(crate) fn ends(args: &Args) -> Result<(DVec3, DVec3), Diagnostic> {
-    let base = DVec3::from(args.vec3("base")?);
-    let height = args.optional_number("height")?;
-    if !args.is_written("top") {
-        return Ok((base, DVec3::Y * height.unwrap_or(1.0)));
-    }
-    if height.is_some() {
-        let message = format!("the {} has both a height and a top", args.node().schema.kind);
-        return Err(args.error("top", "two-heights", message).help(
-            "keep height for a shape that stands along +y, or top for one that points anywhere",
-        ));
-    }
-    Ok((base, DVec3::from(args.vec3("top")?) - base))
-}
-
-/// The error for ends that coincide.
-pub(crate) fn no_length(args: &Args) -> Diagnostic {
-    let kind = args.node().schema.kind;
-    let name = if args.is_written("top") { "top" } else { "height" };
-    args.error(
-        name,
-        "no-size",
-        format!("the {kind} has no length: base and top are the same point"),
-    )
-    .help("move top away from base; for a flat round shape use disc")
-}
-
 /// Where `a t^2 + 2 b t + c <= 0` on the solid's side of the apex, which is the one where `s` grows
 /// if `ds > 0`: an interval, possibly without end.
 fn inside_quadric(a: f64, b: f64, c: f64, ds: f64) -> Option<(f64, f64)> {
@@ -420,6 +397,3 @@ fn inside_quadric(a: f64, b: f64, c: f64, ds: f64) -> Option<(f64, f64)> {
         None
     }
 }
-
-#[cfg(test)]
-mod tests;
