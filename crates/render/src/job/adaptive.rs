@@ -1,10 +1,17 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Where an adaptive picture needs more samples.
 //!
-//! Every pixel gets `samples` samples. A pixel is refined, once, to `max_samples`, where these base
-//! samples differ among themselves or from those of one of its eight neighbours: in colour, in the
-//! object that they hit, or in its normal. The decision uses nothing but the base samples of the 3 x 3
-//! neighbourhood, which are shot outside a crop too: a crop equals the same region of the whole.
+//! Every pixel gets `samples` samples. A pixel is refined where these base samples differ among themselves
+//! or from those of one of the four pixels beside it: in colour, in the thing that they hit, or in its
+//! normal. The decision uses nothing but the base samples of these five pixels, which are shot outside a
+//! crop too: a crop equals the same region of the whole.
+//!
+//! A pixel beside an edge is refined for its neighbour's sake and may be even itself. Therefore it gets its
+//! share of the samples first ([`first_share`]), and the rest, up to `max_samples`, only where the samples that it
+//! has by then differ among themselves.
+//!
+//! Polygons of one surface are one thing: another object is no edge where its own colour and its normal
+//! are the same and its depth goes on.
 //!
 //! Colours are compared as a display would show them: cut off at 0 and 1, then the square root, which
 //! is near to sRGB's curve. Light far above white on both sides of an edge makes no difference.
@@ -14,13 +21,25 @@ use std::sync::atomic::AtomicBool;
 use dioptric_math::DVec3;
 
 use super::{Region, Shoot, Shot};
-use crate::film::{FilmPixel, Radiance};
+use crate::film::{FilmPixel, FirstHit, Radiance};
 use crate::sampling::{Antialias, pixel_sample};
 use crate::setting::render::RenderSettings;
 use crate::stats::RayCounts;
 
 /// Cosine of the angle between normals from which on they differ: about 20 degrees.
 pub const NORMAL_LIMIT: f64 = 0.94;
+
+/// The step in depth, as a share of it, from which on the next object is not the same surface gone on.
+const DEPTH_LIMIT: f32 = 0.02;
+
+/// How many samples of a pixel that is refined are taken before it is asked again: the geometric mean of `samples` and
+/// `max_samples`, at least 4.
+#[must_use]
+pub fn first_share(settings: &RenderSettings) -> u32 {
+    let (least, most) = (settings.samples, settings.max_samples);
+    let mean = (f64::from(least) * f64::from(most)).sqrt().ceil() as u32;
+    mean.max(4).clamp(least.min(most), most)
+}
 
 /// What the decision needs to know of a pixel's base samples.
 #[derive(Clone, Copy, Debug, Default)]
@@ -30,27 +49,53 @@ pub(super) struct Summary {
     /// Smallest and largest channels of single samples, as shown.
     low: [f32; 3],
     high: [f32; 3],
-    normal: [f32; 3],
-    object: u32,
-    /// Whether the pixel's own samples differ in object or normal.
+    thing: Thing,
+    /// Whether the pixel's own samples differ in the thing that they hit or its normal.
     uneven: bool,
     count: u32,
 }
 
+/// What a sample hits.
+#[derive(Clone, Copy, Debug, Default)]
+struct Thing {
+    object: u32,
+    depth: f32,
+    normal: [f32; 3],
+    albedo: [f32; 3],
+}
+
+impl Thing {
+    fn of(first: &FirstHit) -> Self {
+        Self {
+            object: first.object,
+            depth: first.depth as f32,
+            normal: first.normal.to_array().map(|c| c as f32),
+            albedo: first.albedo.to_array().map(|c| c as f32),
+        }
+    }
+
+    /// Whether the picture of the scene's surfaces has an edge between the two.
+    fn differs(&self, other: &Self) -> bool {
+        let same = self.object == other.object
+            || self.albedo == other.albedo
+                && (self.depth - other.depth).abs() <= DEPTH_LIMIT * self.depth.min(other.depth);
+        !same || bent(self.normal, other.normal)
+    }
+}
+
 impl Summary {
-    /// Adds the next base sample.
+    /// Adds the next sample.
     pub fn add(&mut self, radiance: &Radiance) {
         let shown = shown(radiance.color);
-        let normal = radiance.first.normal.to_array().map(|c| c as f32);
+        let thing = Thing::of(&radiance.first);
         if self.count == 0 {
-            (self.low, self.high) = (shown, shown);
-            (self.object, self.normal) = (radiance.first.object, normal);
+            (self.low, self.high, self.thing) = (shown, shown, thing);
         }
         for (axis, value) in shown.into_iter().enumerate() {
             self.low[axis] = self.low[axis].min(value);
             self.high[axis] = self.high[axis].max(value);
         }
-        self.uneven |= radiance.first.object != self.object || bent(self.normal, normal);
+        self.uneven |= self.thing.differs(&thing);
         self.count += 1;
     }
 
@@ -59,14 +104,24 @@ impl Summary {
         self.shown = shown(pixel.linear());
     }
 
-    fn is_uneven(&self, threshold: f64) -> bool {
+    /// Whether its samples differ among themselves.
+    pub fn is_uneven(&self, threshold: f64) -> bool {
         self.uneven || apart(self.low, self.high, threshold)
     }
 
+    /// Takes in what came after, of the same pixel.
+    pub fn with(mut self, later: &Self) -> Self {
+        for axis in 0..3 {
+            self.low[axis] = self.low[axis].min(later.low[axis]);
+            self.high[axis] = self.high[axis].max(later.high[axis]);
+        }
+        self.uneven |= later.uneven || self.thing.differs(&later.thing);
+        self.count += later.count;
+        self
+    }
+
     fn differs(&self, other: &Self, threshold: f64) -> bool {
-        self.object != other.object
-            || bent(self.normal, other.normal)
-            || apart(self.shown, other.shown, threshold)
+        self.thing.differs(&other.thing) || apart(self.shown, other.shown, threshold)
     }
 }
 
@@ -99,6 +154,7 @@ pub(super) fn wants_more(
         && (own.is_uneven(settings.threshold)
             || neighbours
                 .pixels()
+                .filter(|[x, y]| x.abs_diff(pixel[0]) + y.abs_diff(pixel[1]) == 1)
                 .filter_map(|[x, y]| at(x, y))
                 .any(|other| own.differs(other, settings.threshold)))
 }
@@ -111,28 +167,30 @@ pub fn samples_of_pixel(settings: &RenderSettings, pixel: [u32; 2], shoot: &dyn 
         return settings.samples;
     }
     let around = Region { x: pixel[0], y: pixel[1], width: 1, height: 1 }.grown(settings.size);
-    let summaries: Vec<Summary> = around
-        .pixels()
-        .map(|place| {
-            let (mut film, mut summary) = (FilmPixel::default(), Summary::default());
-            let shots: Vec<Shot> = (0..settings.samples)
-                .map(|index| pixel_sample(settings, place, index))
-                .map(|(sample, stream)| Shot { sample, stream })
-                .collect();
-            let mut radiances = Vec::new();
-            let never = AtomicBool::new(false);
-            shoot.shoot(&shots, &mut RayCounts::default(), &never, &mut radiances);
-            for (shot, radiance) in shots.iter().zip(&radiances) {
-                film.add(shot.sample.weight, radiance);
-                summary.add(radiance);
-            }
-            summary.finish(&film);
-            summary
-        })
-        .collect();
-    if wants_more(settings, &around, &summaries, pixel) {
-        settings.max_samples
-    } else {
-        settings.samples
+    let summary = |place: [u32; 2], samples: std::ops::Range<u32>| {
+        let (mut film, mut summary) = (FilmPixel::default(), Summary::default());
+        let shots: Vec<Shot> = samples
+            .map(|index| pixel_sample(settings, place, index))
+            .map(|(sample, stream)| Shot { sample, stream })
+            .collect();
+        let mut radiances = Vec::new();
+        let never = AtomicBool::new(false);
+        shoot.shoot(&shots, &mut RayCounts::default(), &never, &mut radiances);
+        for (shot, radiance) in shots.iter().zip(&radiances) {
+            film.add(shot.sample.weight, radiance);
+            summary.add(radiance);
+        }
+        summary.finish(&film);
+        summary
+    };
+    let base = 0..settings.samples;
+    let summaries: Vec<Summary> =
+        around.pixels().map(|place| summary(place, base.clone())).collect();
+    if !wants_more(settings, &around, &summaries, pixel) {
+        return settings.samples;
     }
+    let share = first_share(settings);
+    let own = around.index(pixel[0], pixel[1]).and_then(|i| summaries.get(i)).copied();
+    let own = own.unwrap_or_default().with(&summary(pixel, settings.samples..share));
+    if own.is_uneven(settings.threshold) { settings.max_samples } else { share }
 }

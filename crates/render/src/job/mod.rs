@@ -18,7 +18,7 @@ pub use adaptive::samples_of_pixel;
 
 use self::adaptive::Summary;
 use self::pass::{Sampled, sample_tile, work_through};
-use crate::film::{Film, Radiance, filled};
+use crate::film::{Film, FilmPixel, Radiance, filled};
 use crate::region::Region;
 use crate::sampling::{Antialias, PixelSample, Stream};
 use crate::setting::render::RenderSettings;
@@ -176,10 +176,53 @@ fn refine(
                 .map(|[x, y]| state.film.pixel(x, y).copied().unwrap_or_default())
                 .collect()
         };
-        let samples = settings.samples..settings.max_samples;
-        let sampled = sample_tile(settings, tile, samples, Some(base), shoot, control);
+        let own = |[x, y]: [u32; 2]| around.index(x, y).and_then(|i| summaries.get(i)).copied();
+        let sampled = refine_tile(settings, tile, base, own, shoot, control);
         lock(&shared).store(sampled, around, true, control);
     });
+}
+
+/// Gives the pixels of a tile that are not finished their first share of samples, and the rest to those that are uneven
+/// by then; `own` is the summary of a pixel's base samples.
+fn refine_tile(
+    settings: &RenderSettings,
+    tile: Region,
+    base: Vec<FilmPixel>,
+    own: impl Fn([u32; 2]) -> Option<Summary>,
+    shoot: &dyn Shoot,
+    control: &Control,
+) -> Sampled {
+    let share = adaptive::first_share(settings);
+    let samples = settings.samples..share;
+    let mut sampled = sample_tile(settings, tile, samples, Some(base), shoot, control);
+    if share == settings.max_samples {
+        return sampled;
+    }
+    let uneven = |i: usize, place| {
+        let later = sampled.summaries.get(i)?;
+        Some(own(place)?.with(later).is_uneven(settings.threshold))
+    };
+    let rest: Vec<FilmPixel> = tile
+        .pixels()
+        .zip(&sampled.pixels)
+        .enumerate()
+        .map(|(i, (place, pixel))| {
+            let mut rest = pixel.unwrap_or_default();
+            rest.finished = pixel.is_none() || uneven(i, place) != Some(true);
+            rest
+        })
+        .collect();
+    let wanted: Vec<bool> = rest.iter().map(|pixel| !pixel.finished).collect();
+    let more = sample_tile(settings, tile, share..settings.max_samples, Some(rest), shoot, control);
+    for ((pixel, refined), wanted) in sampled.pixels.iter_mut().zip(more.pixels).zip(wanted) {
+        if wanted {
+            // None where it was cancelled meanwhile.
+            *pixel = refined;
+        }
+    }
+    sampled.rays.add(&more.rays);
+    sampled.summaries.clear();
+    sampled
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
