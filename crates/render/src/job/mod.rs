@@ -202,22 +202,22 @@ fn refine_tile(
         let later = sampled.summaries.get(i)?;
         Some(own(place)?.with(later).is_uneven(settings.threshold))
     };
-    let rest: Vec<FilmPixel> = tile
+    let wanted: Vec<bool> = tile
         .pixels()
-        .zip(&sampled.pixels)
+        .zip(&sampled.complete)
         .enumerate()
-        .map(|(i, (place, pixel))| {
-            let mut rest = pixel.unwrap_or_default();
-            rest.finished = pixel.is_none() || uneven(i, place) != Some(true);
-            rest
-        })
+        .map(|(i, (place, complete))| *complete && uneven(i, place) == Some(true))
         .collect();
-    let wanted: Vec<bool> = rest.iter().map(|pixel| !pixel.finished).collect();
+    let mut rest = sampled.pixels.clone();
+    for (pixel, wanted) in rest.iter_mut().zip(&wanted) {
+        pixel.finished = !wanted;
+    }
     let more = sample_tile(settings, tile, share..settings.max_samples, Some(rest), shoot, control);
-    for ((pixel, refined), wanted) in sampled.pixels.iter_mut().zip(more.pixels).zip(wanted) {
-        if wanted {
-            // None where it was cancelled meanwhile.
-            *pixel = refined;
+    for (i, wanted) in wanted.into_iter().enumerate() {
+        if wanted && let Some(pixel) = more.pixels.get(i) {
+            sampled.pixels[i] = *pixel;
+            // Not where it was cancelled meanwhile.
+            sampled.complete[i] = more.complete[i];
         }
     }
     sampled.rays.add(&more.rays);
