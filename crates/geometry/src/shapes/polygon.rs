@@ -266,6 +266,15 @@ impl Shape for Polygon {
         }
     }
 
+    fn memory_bytes(&self) -> usize {
+        self.outline.memory_bytes()
+            + match &self.facet.filter {
+                Filter::Four(_) | Filter::None => 0,
+                Filter::Eight(halves) => size_of_val(&**halves),
+                Filter::Cells(cells) => size_of_val(&**cells) + cells.memory_bytes(),
+            }
+    }
+
     fn surface_point(&self, point: DVec3, _part: u32) -> SurfacePoint {
         let normal = self.facet.normal;
         let offset = point - self.facet.point;

@@ -92,9 +92,11 @@ impl Cells {
         spread: Spread,
     ) -> Option<(Room, Self)> {
         let n = outline.corners.len();
+        // Few enough that a corner costs about as much memory as a triangle of a mesh.
         let side = match n {
-            0..=16 => 16,
-            17..=48 => 32,
+            0..=12 => 8,
+            13..=32 => 16,
+            33..=96 => 32,
             _ => MOST,
         };
         let tangential = |p: &DVec3| DVec2::new((*p - center).dot(x), (*p - center).dot(y));
@@ -121,6 +123,10 @@ impl Cells {
         let room = Room::new(Spread { off, ..spread }, slack);
         let place = |p: DVec2| center + (x * (p.x + low.x) + y * (p.y + low.y)) * cell;
         Some((room, Self { across, up, low, rows, starts, chains, frame: frame.map(place) }))
+    }
+
+    pub fn memory_bytes(&self) -> usize {
+        size_of_val(&*self.rows) + size_of_val(&*self.starts) + size_of_val(&*self.chains)
     }
 
     /// Whether a point of the plane (relative to its center), for which there is [`Room`], is inside, unless it

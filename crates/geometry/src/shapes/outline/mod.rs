@@ -68,6 +68,10 @@ impl Outline {
         &self.corners
     }
 
+    pub fn memory_bytes(&self) -> usize {
+        size_of_val(&*self.corners) + size_of_val(&*self.holes)
+    }
+
     /// Whether there are no holes.
     pub fn is_simple(&self) -> bool {
         self.holes.is_empty()

@@ -116,3 +116,14 @@ fn every_kind_has_its_filter() {
     let bow = [(0.0, 0.0), (1.0, 1.0), (1.0, 0.0), (0.0, 1.5)].map(|(x, y)| DVec3::new(x, y, 0.0));
     assert!(matches!(of(vec![bow.to_vec()]), Filter::Cells(..)));
 }
+
+#[test]
+fn filters_take_little_memory() {
+    for n in [9_usize, 16, 40, 144, 1000] {
+        let ring = around_origin(n, 1.0, |i| if i % 4 < 2 { 1.0 } else { 0.8 });
+        let polygon = Polygon::new([ring.iter().map(|p| p.extend(1.0)).collect()]).unwrap();
+        let each = (size_of::<Polygon>() + polygon.memory_bytes()) / (n - 2);
+        println!("{n} corners: {each} bytes for each triangle that they could be cut into");
+        assert!(each <= if n < 20 { 240 } else { 120 }, "{n} corners: {each}");
+    }
+}
