@@ -10,7 +10,11 @@ use dioptric_math::{DVec3, Vec4};
 use super::{Bvh, Child, Lanes, MAX_DEPTH, Node, WIDTH};
 use crate::bounds::Bounds;
 
-const BINS: usize = 16;
+/// Bins for many items; a few have fewer.
+const BINS: usize = 32;
+const FEW_BINS: usize = 16;
+/// Fewer items than this are a few.
+const MANY: usize = 512;
 /// Leaves hold no more items, even where nothing tells them apart.
 const MAX_LEAF: usize = Child::MAX_COUNT;
 /// The cost of a visit to a node, in tests of an item.
@@ -357,8 +361,7 @@ struct Split {
 impl Split {
     /// The cheapest split between two bins on any axis; `None` where all centres are one point.
     fn best(items: &[Item], centers: &Box32, costs: &Costs) -> Option<Self> {
-        // A few items need no more bins than that.
-        let used = items.len().clamp(4, BINS);
+        let used = if items.len() < MANY { items.len().clamp(4, FEW_BINS) } else { BINS };
         let binning = Binning::new(centers, used);
         let mut bins = [[Box32::EMPTY; BINS]; 3];
         let mut counts = [[0_u32; BINS]; 3];

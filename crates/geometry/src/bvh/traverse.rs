@@ -285,11 +285,11 @@ impl Stack {
     }
 }
 
-/// Asks for the four cache lines from an address on.
+/// Asks for the five cache lines from an address on.
 #[inline(always)]
 fn fetch(address: *const u8) {
     #[cfg(target_arch = "x86_64")]
-    for line in 0..4 {
+    for line in 0..5 {
         // SAFETY: fetching ahead touches no memory as the language has it, and any address will do.
         unsafe {
             std::arch::x86_64::_mm_prefetch::<{ std::arch::x86_64::_MM_HINT_T0 }>(

@@ -128,7 +128,7 @@ impl Aim {
     /// is the largest distance along the last axis.
     #[inline(always)]
     pub fn depths(&self, limit: f32) -> [f32; 2] {
-        // The sum's rounding is far below the slack's own margin.
+        // More than the roundings of the limit and of this.
         let end = limit + (self.slack + limit * 1e-6);
         if self.forward { [end, -self.slack] } else { [self.slack, -end] }
     }

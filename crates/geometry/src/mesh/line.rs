@@ -116,10 +116,10 @@ impl Line {
         t.is_finite().then_some(Passage { t, normal })
     }
 
-    /// The depth at `t`, in f32 and rounded up.
+    /// The depth at `t`, in f32.
     #[inline(always)]
     pub fn depth(&self, t: f64) -> f32 {
-        ((t * self.direction[2].abs()) as f32).next_up().min(f32::MAX)
+        ((t * self.direction[2].abs()) as f32).min(f32::MAX)
     }
 
     /// How fast the line moves along a normal.
