@@ -184,13 +184,14 @@ pub(super) unsafe fn walk_below<T: Test, C: Counter, L: Leaves<T, C>>(
             let (near, mut entered) = unsafe { T::enter(node, &spread, limit) };
             let task = |entered: u32| {
                 let lane = entered.trailing_zeros() as usize % WIDTH;
-                let child = node.children[lane];
-                let address = match child.node() {
+                Task::new(node.children[lane], near[lane])
+            };
+            // What has to wait is fetched meanwhile.
+            let ahead = |task: Task| {
+                fetch(match task.child().node() {
                     Some(index) => bvh.nodes.as_ptr().wrapping_add(index).cast(),
-                    None => leaf.address(child.items().start),
-                };
-                fetch(address);
-                Task::new(child, near[lane])
+                    None => leaf.address(task.child().items().start),
+                });
             };
             if entered != 0 {
                 let others = entered & (entered - 1);
@@ -203,6 +204,7 @@ pub(super) unsafe fn walk_below<T: Test, C: Counter, L: Leaves<T, C>>(
                 let second = task(entered);
                 entered &= entered - 1;
                 let (mut nearer, mut farther) = (first.min(second), first.max(second));
+                ahead(farther);
                 if entered == 0 {
                     stack.push(farther);
                     at = nearer.child();
@@ -215,6 +217,7 @@ pub(super) unsafe fn walk_below<T: Test, C: Counter, L: Leaves<T, C>>(
                     let next = task(entered);
                     entered &= entered - 1;
                     (nearer, farther) = (nearer.min(next), nearer.max(next));
+                    ahead(farther);
                     if L::ANY {
                         stack.push(farther);
                     } else {

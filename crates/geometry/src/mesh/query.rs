@@ -8,7 +8,7 @@ use dioptric_math::DVec3;
 
 use super::line::{Corners, Line, exact, nearest, normal};
 use super::{LARGE, Mesh};
-use crate::bvh::lanes::{Job, Test};
+use crate::bvh::lanes::{Job, Test, apart};
 use crate::bvh::traverse::{Leaves, walk_tree};
 use crate::bvh::triangles::{Aim, SIDE_BY_SIDE};
 use crate::bvh::{BoxRay, NoCount};
@@ -277,19 +277,5 @@ impl<T: Test, const ANY: bool> Leaves<T, NoCount> for Hits<'_, T, ANY> {
             }
         }
         Some(t_max)
-    }
-}
-
-/// A vector, its numbers read one by one. It was written so a moment ago, and a processor that is made to read
-/// them together must wait until they are in the cache.
-#[inline(always)]
-fn apart(v: &DVec3) -> DVec3 {
-    // SAFETY: they are references.
-    unsafe {
-        DVec3::new(
-            std::ptr::read_volatile(&v.x),
-            std::ptr::read_volatile(&v.y),
-            std::ptr::read_volatile(&v.z),
-        )
     }
 }

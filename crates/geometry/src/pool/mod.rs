@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use crate::bounds::Bounds;
 use crate::bvh::balls::{BALLS, BallRay, Balls};
 use crate::bvh::build::{Item, build_items, item_around, number};
-use crate::bvh::lanes::{Job, Test};
+use crate::bvh::lanes::{Job, Test, apart};
 use crate::bvh::traverse::{Leaves, walk_tree};
 use crate::bvh::{BoxRay, Bvh, Costs, Lanes, NoCount};
 use crate::memory;
@@ -279,11 +279,12 @@ impl<S: Pooled, const ANY: bool> Job for Cast<'_, S, ANY> {
     #[inline(always)]
     unsafe fn run<T: Test>(self) -> Option<Root> {
         let Self { pool, ray } = self;
-        let pad = ray.error + gamma(256) * (ray.origin.abs().max_element() + pool.largest);
-        let box_ray = BoxRay::new(ray.origin, ray.direction, &pool.bvh, pad);
-        let origin = ray.origin - pool.bvh.center();
-        let ball_ray = BallRay::new(origin, ray.direction, pool.bvh.extent(), pad);
-        let scale = ray.direction.abs().max_element();
+        let (origin, direction) = (apart(&ray.origin), apart(&ray.direction));
+        let pad = ray.error + gamma(256) * (origin.abs().max_element() + pool.largest);
+        let box_ray = BoxRay::new(origin, direction, &pool.bvh, pad);
+        let relative = origin - pool.bvh.center();
+        let ball_ray = BallRay::new(relative, direction, pool.bvh.extent(), pad);
+        let scale = direction.abs().max_element();
         let mut hits =
             Hits::<S, T, ANY> { pool, ray, ball_ray, scale, best: None, lanes: PhantomData::<T> };
         // SAFETY: the caller answers for the instruction set.
@@ -361,12 +362,21 @@ impl<S: Pooled, T: Test, const ANY: bool> Leaves<T, NoCount> for Hits<'_, S, T, 
                 ([f32::NEG_INFINITY; BALLS], all)
             };
             while kept != 0 {
-                let lane = kept.trailing_zeros() as usize % BALLS;
-                kept &= kept - 1;
-                // Another one of these may have been hit before.
-                if starts[lane] <= limit(t_max) {
-                    t_max = self.ask(balls.first as usize + lane, t_max)?;
+                // The nearest first, which often is the last.
+                let mut lane = kept.trailing_zeros() as usize % BALLS;
+                let mut others = kept & (kept - 1);
+                while others != 0 {
+                    let other = others.trailing_zeros() as usize % BALLS;
+                    others &= others - 1;
+                    if starts[other] < starts[lane] {
+                        lane = other;
+                    }
                 }
+                kept &= !(1 << lane);
+                if starts[lane] > limit(t_max) {
+                    break;
+                }
+                t_max = self.ask(balls.first as usize + lane, t_max)?;
             }
         }
         Some(t_max)

@@ -8,6 +8,8 @@ pub(crate) mod avx2;
 pub(crate) mod avx512;
 pub(crate) mod plain;
 
+use dioptric_math::DVec3;
+
 use super::balls::{BallRay, Balls};
 use super::triangles::{Aim, Packet};
 use super::{BoxRay, Node, WIDTH};
@@ -133,4 +135,18 @@ pub(crate) trait Test {
     /// # Safety
     /// The processor has the instruction set.
     unsafe fn balls(balls: &Balls, ray: &BallRay, limit: f32) -> (Entries, u32);
+}
+
+/// A vector, its numbers read one by one. It was written so a moment ago, and a processor that is made to read
+/// them together must wait until they are in the cache.
+#[inline(always)]
+pub(crate) fn apart(v: &DVec3) -> DVec3 {
+    // SAFETY: they are references.
+    unsafe {
+        DVec3::new(
+            std::ptr::read_volatile(&v.x),
+            std::ptr::read_volatile(&v.y),
+            std::ptr::read_volatile(&v.z),
+        )
+    }
 }
