@@ -25,6 +25,7 @@ impl Ray {
     }
 
     /// The point at distance `t`.
+    #[inline]
     #[must_use]
     pub fn at(&self, t: f64) -> DVec3 {
         self.origin + self.direction * t
@@ -47,6 +48,7 @@ impl HitId {
     pub const NO_INSTANCE: u32 = u32::MAX;
 
     /// Whether both are on the same object of the same instance.
+    #[inline]
     #[must_use]
     pub const fn same_object(&self, other: &Self) -> bool {
         self.instance == other.instance && self.object == other.object
@@ -81,6 +83,7 @@ impl Contacts {
     pub const CROSSED: Self = Self { crossed: true, except: None };
 
     /// Whether an object that touches the point is hit.
+    #[inline]
     #[must_use]
     pub fn crosses(&self, object: &HitId) -> bool {
         self.crossed != self.except.is_some_and(|e| e.same_object(object))
@@ -120,6 +123,7 @@ impl LocalRay {
     }
 
     /// The point at distance `t`.
+    #[inline]
     #[must_use]
     pub fn at(&self, t: f64) -> DVec3 {
         self.origin + self.direction * t
@@ -133,6 +137,7 @@ impl LocalRay {
     /// where the ray starts: it is hit at 0. That is so for planes; where a surface is curved or ends, the
     /// origin must be asked too ([`Self::starts_at`]), for a line that touches or slides along it far
     /// behind has no speed.
+    #[inline]
     #[must_use]
     pub fn accept(&self, t: f64, speed: f64, surface_error: f64) -> Option<f64> {
         if t > 0.0 {

@@ -72,24 +72,28 @@ impl Transform {
     }
 
     /// A point and the bound of its error, carried to the object's space.
+    #[inline]
     #[must_use]
     pub fn point_to_local(&self, point: DVec3, error: f64) -> (DVec3, f64) {
         carry(&self.to_local, self.shrink, point, error)
     }
 
     /// A point and the bound of its error, carried to the scene's space.
+    #[inline]
     #[must_use]
     pub fn point_to_world(&self, point: DVec3, error: f64) -> (DVec3, f64) {
         carry(&self.to_world, self.stretch, point, error)
     }
 
     /// A direction, carried to the object's space; its length changes with the transform's.
+    #[inline]
     #[must_use]
     pub fn direction_to_local(&self, direction: DVec3) -> DVec3 {
         self.to_local.matrix3 * direction
     }
 
     /// A normal, carried to the scene's space by the inverse's transpose and made a unit vector.
+    #[inline]
     #[must_use]
     pub fn normal_to_world(&self, normal: DVec3) -> DVec3 {
         normalize(self.to_local.matrix3.transpose() * normal).unwrap_or(normal)

@@ -18,18 +18,21 @@ pub use power::unit_power;
 pub type Spectrum = DVec3;
 
 /// Natural logarithm.
+#[inline]
 #[must_use]
 pub fn ln(x: f64) -> f64 {
     libm::log(x)
 }
 
 /// Sine and cosine of an angle in radians.
+#[inline]
 #[must_use]
 pub fn sin_cos(x: f64) -> (f64, f64) {
     libm::sincos(x)
 }
 
 /// `x` to a whole power, by squaring; `powi(x, 0)` is 1.
+#[inline]
 #[must_use]
 pub fn powi(x: f64, n: u32) -> f64 {
     let (mut base, mut result, mut n) = (x, 1.0, n);
@@ -46,6 +49,7 @@ pub fn powi(x: f64, n: u32) -> f64 {
 /// A unit vector for `v`, or `None` where `v` is zero, infinite or NaN.
 ///
 /// Vectors of length 1e-200 or 1e200 work, too: they are scaled by the largest component first.
+#[inline]
 #[must_use]
 pub fn normalize(v: DVec3) -> Option<DVec3> {
     let length2 = v.length_squared();
@@ -63,6 +67,7 @@ pub fn normalize(v: DVec3) -> Option<DVec3> {
 /// Two unit vectors that make a right-handed orthonormal basis `(t, b, n)` with the unit vector `n`.
 ///
 /// Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017, listing 3.
+#[inline]
 #[must_use]
 pub fn orthonormal_basis(n: DVec3) -> (DVec3, DVec3) {
     let sign = 1.0_f64.copysign(n.z);
@@ -75,6 +80,7 @@ pub fn orthonormal_basis(n: DVec3) -> (DVec3, DVec3) {
 }
 
 /// Luminance of a linear Rec. 709 colour (ITU-R BT.709-6, section 3.2).
+#[inline]
 #[must_use]
 pub fn luminance(c: Spectrum) -> f64 {
     0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z
