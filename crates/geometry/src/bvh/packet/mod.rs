@@ -182,7 +182,7 @@ impl Packet {
 
 /// So few rays are faster each alone: a node's eight boxes are tested for one ray at once, or one box for sixteen
 /// rays.
-const FEW: u32 = 4;
+const FEW: u32 = 2;
 
 /// What is still to be visited, by which rays, and where the first of them enters it.
 #[derive(Clone, Copy)]
