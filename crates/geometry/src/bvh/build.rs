@@ -6,6 +6,7 @@
 //! so that subtrees can be built by several threads with the same result as by one.
 
 use dioptric_math::{DVec3, Vec4};
+use rayon::prelude::*;
 
 use super::{Bvh, Child, Lanes, MAX_DEPTH, Node, WIDTH};
 use crate::bounds::Bounds;
@@ -21,6 +22,9 @@ const MAX_LEAF: usize = Child::MAX_COUNT;
 const VISIT_COST: f64 = 1.5;
 /// Below this many items a second thread costs more than it saves.
 const PARALLEL: usize = 4096;
+
+/// So many items are counted by several threads together.
+const SHARED: usize = 1 << 16;
 
 /// A box in single precision, about the tree's centre. The fourth numbers mean nothing.
 #[derive(Clone, Copy, Debug)]
@@ -199,7 +203,6 @@ pub(crate) fn build_items(mut items: Vec<Item>, center: DVec3, costs: Costs) -> 
     .build();
     bvh.extent = root.bounds.largest();
     widen(&mut bvh, &splits, &root);
-    bvh.nodes = crate::memory::fitted(std::mem::take(&mut bvh.nodes));
     (bvh, items)
 }
 
@@ -337,6 +340,40 @@ impl Binning {
     }
 }
 
+/// What falls into the bins of each axis.
+struct Filled {
+    bins: [[Box32; BINS]; 3],
+    counts: [[u32; BINS]; 3],
+}
+
+impl Binning {
+    fn fill(&self, items: &[Item]) -> Filled {
+        if items.len() >= SHARED && rayon::current_thread_index().is_some() {
+            let (left, right) = items.split_at(items.len() / 2);
+            let (mut all, more) = rayon::join(|| self.fill(left), || self.fill(right));
+            for axis in 0..3 {
+                for bin in 0..BINS {
+                    all.bins[axis][bin] = all.bins[axis][bin].union(more.bins[axis][bin]);
+                    all.counts[axis][bin] += more.counts[axis][bin];
+                }
+            }
+            return all;
+        }
+        let mut bins = [[Box32::EMPTY; BINS]; 3];
+        let mut counts = [[0_u32; BINS]; 3];
+        for b in items.iter().map(box_of) {
+            let [x, y, z, _] = self.bins(b.center()).map(|bin| bin as usize % BINS);
+            bins[0][x] = bins[0][x].union(b);
+            bins[1][y] = bins[1][y].union(b);
+            bins[2][z] = bins[2][z].union(b);
+            counts[0][x] += 1;
+            counts[1][y] += 1;
+            counts[2][z] += 1;
+        }
+        Filled { bins, counts }
+    }
+}
+
 /// The whole parts of numbers between 0 and [`BINS`].
 #[inline(always)]
 fn whole(x: Vec4) -> [u32; 4] {
@@ -363,17 +400,7 @@ impl Split {
     fn best(items: &[Item], centers: &Box32, costs: &Costs) -> Option<Self> {
         let used = if items.len() < MANY { items.len().clamp(4, FEW_BINS) } else { BINS };
         let binning = Binning::new(centers, used);
-        let mut bins = [[Box32::EMPTY; BINS]; 3];
-        let mut counts = [[0_u32; BINS]; 3];
-        for b in items.iter().map(box_of) {
-            let [x, y, z, _] = binning.bins(b.center()).map(|bin| bin as usize % BINS);
-            bins[0][x] = bins[0][x].union(b);
-            bins[1][y] = bins[1][y].union(b);
-            bins[2][z] = bins[2][z].union(b);
-            counts[0][x] += 1;
-            counts[1][y] += 1;
-            counts[2][z] += 1;
-        }
+        let Filled { bins, counts } = binning.fill(items);
         let mut best: Option<(f64, usize, usize)> = None;
         for axis in 0..3 {
             if !(binning.scale[axis] > 0.0) {
@@ -441,6 +468,38 @@ fn halve(items: &mut [Item], centers: &Box32) -> Parts {
     Parts { middle, bounds: [left.0, right.0], centers: [left.1, right.1] }
 }
 
+/// The parts of a node of eight: of the parts so far the one with the largest box is split on, as long as
+/// there is room.
+fn open(splits: &[Split2], root: &Built) -> ([Built; WIDTH], usize) {
+    let mut parts = [Built { child: Child::default(), bounds: Box32::EMPTY }; WIDTH];
+    // Leaves stay as they are.
+    let area = |part: &Built| part.child.node().map_or(-1.0, |_| part.bounds.half_area());
+    let mut areas = [-1.0; WIDTH];
+    (parts[0], areas[0]) = (*root, area(root));
+    let mut used = 1;
+    while used < WIDTH {
+        let largest = (1..used).fold(0, |a, b| if areas[b] > areas[a] { b } else { a });
+        let Some(split) = parts[largest].child.node().and_then(|index| splits.get(index)) else {
+            break;
+        };
+        let [left, right] = unpack(split);
+        (parts[largest], areas[largest]) = (left, area(&left));
+        (parts[used], areas[used]) = (right, area(&right));
+        used += 1;
+    }
+    (parts, used)
+}
+
+fn node(parts: &[Built; WIDTH]) -> Node {
+    Node {
+        planes: std::array::from_fn(|plane| {
+            let side = |b: &Box32| if plane % 2 == 0 { b.min } else { b.max }[plane / 2];
+            parts.map(|part| side(&part.bounds))
+        }),
+        children: parts.map(|part| part.child),
+    }
+}
+
 /// What becomes a node, how deep it will be, and the node and lane that refer to it.
 struct Pending {
     subtree: Built,
@@ -448,47 +507,60 @@ struct Pending {
     parent: Option<(usize, usize)>,
 }
 
-/// Joins splits in two to nodes of eight: of the parts of a node the one with the largest box is split
-/// on, as long as there is room. Each node is followed by its first child's subtree.
-fn widen(bvh: &mut Bvh, splits: &[Split2], root: &Built) {
+/// Joins splits in two to nodes of eight, counted from 0, and returns how deep they are. Each node is followed by
+/// its first child's subtree.
+fn subtree(splits: &[Split2], root: &Built) -> (Vec<Node>, usize) {
+    let (mut nodes, mut deepest) = (Vec::new(), 1);
     let mut pending = vec![Pending { subtree: *root, depth: 1, parent: None }];
     while let Some(Pending { subtree, depth, parent }) = pending.pop() {
-        let mut parts = [Built { child: Child::default(), bounds: Box32::EMPTY }; WIDTH];
-        parts[0] = subtree;
-        let mut used = 1;
-        while used < WIDTH {
-            let inner = (0..used).filter_map(|i| Some((i, parts[i].child.node()?)));
-            let area = |i: usize| parts[i].bounds.half_area();
-            let largest = inner.max_by(|a, b| area(a.0).total_cmp(&area(b.0)));
-            let Some((largest, index)) = largest else { break };
-            let Some(split) = splits.get(index) else { break };
-            let [left, right] = unpack(split);
-            parts[largest] = left;
-            parts[used] = right;
-            used += 1;
-        }
-        let index = bvh.nodes.len();
-        bvh.depth = bvh.depth.max(depth);
-        bvh.nodes.push(Node {
-            planes: std::array::from_fn(|plane| {
-                let side = |b: &Box32| if plane % 2 == 0 { b.min } else { b.max }[plane / 2];
-                parts.map(|part| side(&part.bounds))
-            }),
-            children: parts.map(|part| part.child),
-        });
+        let (parts, used) = open(splits, &subtree);
+        let index = nodes.len();
+        deepest = deepest.max(depth);
+        nodes.push(node(&parts));
         if let Some((parent, lane)) = parent
-            && let Some(node) = bvh.nodes.get_mut(parent)
+            && let Some(node) = nodes.get_mut(parent)
         {
             node.children[lane] = Child::inner(index);
         }
         for lane in (0..used).rev() {
             if parts[lane].child.node().is_some() {
-                pending.push(Pending {
-                    subtree: parts[lane],
-                    depth: depth + 1,
-                    parent: Some((index, lane)),
-                });
+                let parent = Some((index, lane));
+                pending.push(Pending { subtree: parts[lane], depth: depth + 1, parent });
             }
         }
+    }
+    (nodes, deepest)
+}
+
+/// The same for the whole tree, the root's children by several threads.
+fn widen(bvh: &mut Bvh, splits: &[Split2], root: &Built) {
+    let (parts, _) = open(splits, root);
+    let widened = |part: &Built| {
+        let inner = part.child.node().is_some() && part.bounds.min.x <= part.bounds.max.x;
+        inner.then(|| subtree(splits, part))
+    };
+    let below: Vec<_> = if splits.len() >= PARALLEL && rayon::current_thread_index().is_some() {
+        parts.par_iter().map(widened).collect()
+    } else {
+        parts.iter().map(widened).collect()
+    };
+    let count = below.iter().flatten().map(|(nodes, _)| nodes.len()).sum::<usize>();
+    bvh.nodes = crate::memory::with_capacity(1 + count);
+    bvh.nodes.push(node(&parts));
+    for (lane, (nodes, depth)) in below.into_iter().enumerate().filter_map(|(i, b)| Some((i, b?))) {
+        let first = bvh.nodes.len();
+        bvh.nodes[0].children[lane] = Child::inner(first);
+        bvh.depth = bvh.depth.max(1 + depth);
+        bvh.nodes.extend(nodes.into_iter().map(|mut node| {
+            for lane in 0..WIDTH {
+                // Missing children keep what they have, which nobody asks for.
+                if let Some(index) = node.children[lane].node()
+                    && node.planes[0][lane] < f32::INFINITY
+                {
+                    node.children[lane] = Child::inner(first + index);
+                }
+            }
+            node
+        }));
     }
 }
