@@ -47,24 +47,8 @@ impl Shoot for Camera<'_> {
         out: &mut Vec<Radiance>,
     ) {
         let scene = self.scene;
-        let ray = |shot: &Shot| camera_ray(scene, &shot.sample, shot.stream);
-        let rays: Vec<(Ray, Stream)> = shots.iter().filter_map(ray).collect();
-        let all = rays.len() == shots.len();
-        let radiances = integrator::radiances(scene, rays, counts, &mut Silent, cancel);
-        if all {
-            out.extend(radiances);
-            return;
-        }
-        let mut seen = radiances.into_iter();
-        for shot in shots {
-            match ray(shot) {
-                None => out.push(Radiance::NOTHING),
-                Some(_) => match seen.next() {
-                    Some(radiance) => out.push(radiance),
-                    None => return,
-                },
-            }
-        }
+        let rays = shots.iter().map(|shot| camera_ray(scene, &shot.sample, shot.stream));
+        out.extend(integrator::radiances(scene, rays, counts, &mut Silent, cancel));
     }
 }
 
@@ -76,7 +60,7 @@ pub fn shoot<R: Recorder>(
     counts: &mut RayCounts,
     recorder: &mut R,
 ) -> Radiance {
-    let rays = camera_ray(scene, sample, stream).into_iter().collect();
+    let rays = std::iter::once(camera_ray(scene, sample, stream));
     let radiances = integrator::radiances(scene, rays, counts, recorder, &AtomicBool::new(false));
     radiances.first().copied().unwrap_or(Radiance::NOTHING)
 }

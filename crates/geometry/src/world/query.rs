@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The queries. All of them are one walk, [`World::visit`], with different things done at the objects.
 
+use std::cell::Cell;
+
 use super::{Hit, Instance, Level, Object, Surface, World};
 use crate::bvh::{Counter, NoCount};
 use crate::ray::{Contacts, Departure, HitId, Leaving, LocalRay, Ray};
@@ -13,6 +15,11 @@ const MAX_CROSSINGS: usize = 10_000;
 /// Surfaces further away than this many times the error of a ray's origin are not asked whether they
 /// touch it: only a ray that leaves at less than a millionth of a radian could tell.
 const CONTACT_REACH: f64 = 1e6;
+
+thread_local! {
+    /// Memory of [`World::hits`].
+    static CROSSINGS: Cell<Vec<Crossing>> = const { Cell::new(Vec::new()) };
+}
 
 impl World {
     /// The nearest hit with `0 <= t <= t_max`; of several at the same `t` the one with the lowest id.
@@ -220,7 +227,8 @@ impl World {
     /// a ray that goes through a solid gives one hit where it enters and one where it leaves.
     pub fn hits(&self, ray: &Ray, t_max: f64, departure: Option<&Departure>, out: &mut Vec<Hit>) {
         out.clear();
-        let mut crossings = Vec::new();
+        // Used again: asking for memory would take as long as the query.
+        let mut crossings = CROSSINGS.take();
         self.visit(ray, t_max, departure, &mut NoCount, |instance, object, local| {
             crossings.clear();
             if object.shape.is_solid() {
@@ -236,6 +244,7 @@ impl World {
             );
             Some(local.t_max)
         });
+        CROSSINGS.set(crossings);
         out.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.id.cmp(&b.id)));
     }
 

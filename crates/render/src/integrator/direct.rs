@@ -317,6 +317,9 @@ fn strength(highlight: &Highlight, normal: DVec3, to_light: DVec3, to_viewer: DV
         }
     };
     let (base, n) = (base.clamp(0.0, 1.0), highlight.exponent);
+    if base == 0.0 && n > 0.0 {
+        return 0.0;
+    }
     // Most exponents are small whole numbers: squaring is even faster than the power of numbers up to 1.
     let whole = n.trunc() == n && (0.0..=4096.0).contains(&n);
     let strength = if whole { powi(base, n as u32) } else { unit_power(base, n) };

@@ -25,22 +25,25 @@ use crate::stats::RayCounts;
 use recorder::Recorder;
 
 /// The radiances of camera rays, by the integrator that the scene's settings name; each is the same in every
-/// batch. Fewer than rays if cancelled meanwhile.
+/// batch. Where the camera sees nothing there is no ray, and nothing is what it brings. Fewer than rays if
+/// cancelled meanwhile.
 pub fn radiances<R: Recorder>(
     scene: &Scene,
-    rays: Vec<(Ray, Stream)>,
+    rays: impl ExactSizeIterator<Item = Option<(Ray, Stream)>>,
     counts: &mut RayCounts,
     recorder: &mut R,
     cancel: &AtomicBool,
 ) -> Vec<Radiance> {
     match scene.settings.integrator {
         Integrator::Whitted => {
-            whitted::Whitted::new(scene, counts, recorder).radiances(rays.into_iter(), cancel)
+            whitted::Whitted::new(scene, counts, recorder).radiances(rays, cancel)
         }
         other => rays
-            .into_iter()
             .take_while(|_| !cancel.load(Ordering::Relaxed))
-            .map(|(ray, stream)| view::radiance(other, scene, &ray, stream, counts, recorder))
+            .map(|ray| match ray {
+                Some((ray, stream)) => view::radiance(other, scene, &ray, stream, counts, recorder),
+                None => Radiance::NOTHING,
+            })
             .collect(),
     }
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What lies between a point and a light, and how much of the light each thing lets pass.
 
+use std::cell::Cell;
+
 use dioptric_geometry::world::Hit;
 use dioptric_math::Spectrum;
 
@@ -8,6 +10,11 @@ use super::media::absorbed;
 use super::point::{Leg, touches};
 use crate::material::{Finish, Optics};
 use crate::scene::Scene;
+
+thread_local! {
+    /// Memory of [`Scene::passages`].
+    static HITS: Cell<Vec<Hit>> = const { Cell::new(Vec::new()) };
+}
 
 impl Scene {
     /// What of a light passes through all that lies before `distance`.
@@ -32,7 +39,8 @@ impl Scene {
         distance: f64,
         mut each: impl FnMut(&Hit, Spectrum) -> bool,
     ) {
-        let mut hits = Vec::new();
+        // Used again: asking for memory would take as long as the query.
+        let mut hits = HITS.take();
         self.world.hits(&leg.ray, distance, Some(&leg.departure), &mut hits);
         let ray = &leg.ray;
         for (i, hit) in hits.iter().enumerate().filter(|(_, h)| h.t < distance) {
@@ -54,9 +62,10 @@ impl Scene {
                 surface * self.absorbed_inside(finish, hit.t - entry.map_or(0.0, |h| h.t))
             };
             if !each(hit, passed) {
-                return;
+                break;
             }
         }
+        HITS.set(hits);
     }
 
     /// What a way inside of an object leaves of light, `t` in the space of rays.

@@ -88,7 +88,7 @@ fn rays_view<R: Recorder>(
     let mut own = RayCounts::default();
     let mut silent = Silent;
     let whitted = Whitted::new(scene, &mut own, &mut silent);
-    let light = whitted.radiances([(*ray, stream)].into_iter(), &AtomicBool::new(false));
+    let light = whitted.radiances(std::iter::once(Some((*ray, stream))), &AtomicBool::new(false));
     counts.add(&own);
     let color = Spectrum::splat(own.total() as f64 / MANY_RAYS);
     let id = recorder.begin(None, RayKind::Camera, ray);

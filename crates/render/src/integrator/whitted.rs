@@ -103,15 +103,16 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
     /// The radiance that each camera's ray brings, and what it met first; nothing if cancelled meanwhile.
     pub fn radiances(
         mut self,
-        rays: impl DoubleEndedIterator<Item = (Ray, Stream)> + ExactSizeIterator,
+        rays: impl ExactSizeIterator<Item = Option<(Ray, Stream)>>,
         cancel: &AtomicBool,
     ) -> Vec<Radiance> {
         let around = self.scene.around_camera.iter();
         let inside = around.fold(None, |inside, &medium| self.media.enter(inside, medium));
         let state = State { depth: 0, throughput: 1.0, inside };
         self.radiances.resize(rays.len(), Radiance::NOTHING);
-        self.counts.camera += rays.len() as u64;
-        for ((ray, stream), sample) in rays.zip(0..) {
+        for (ray, sample) in rays.zip(0..) {
+            let Some((ray, stream)) = ray else { continue };
+            self.counts.camera += 1;
             let id = self.recorder.begin(None, RayKind::Camera, &ray);
             let node = self.nodes.add(id, Above::Sample(sample), Spectrum::ONE, inside);
             let contacts = Contacts::CROSSED;
