@@ -8,7 +8,7 @@
 
 use std::ops::Range;
 
-use super::query::{into, leaving, meet};
+use super::query::{block, into, leaving, meet};
 use super::{Hit, Level, Object, World};
 use crate::bvh::Lanes;
 use crate::bvh::packet::rows::{self, LANES, Mask, Rows};
@@ -210,9 +210,10 @@ impl World {
             t_max: walk.t[lane],
             leaving: query.departure().filter(|_| leaves).as_ref().map(leaving),
         };
+        let ask = if ANY { block } else { meet };
         let root = match self.transform(object.transform) {
-            None => meet(id.instance, object, &local, query.contacts()),
-            transform => meet(id.instance, object, &into(transform, &local), query.contacts()),
+            None => ask(id.instance, object, &local, query.contacts()),
+            transform => ask(id.instance, object, &into(transform, &local), query.contacts()),
         };
         let Some(root) = root else { return false };
         let hit = Hit { t: root.t, id: HitId { part: root.part, ..id } };

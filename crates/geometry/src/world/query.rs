@@ -464,7 +464,12 @@ fn improve(
 
 /// Any root of an object before `t_max`, judged as by [`meet`].
 #[inline]
-fn block(instance: u32, object: &Object, ray: &LocalRay, contacts: Contacts) -> Option<Root> {
+pub(super) fn block(
+    instance: u32,
+    object: &Object,
+    ray: &LocalRay,
+    contacts: Contacts,
+) -> Option<Root> {
     let root = object.shape.blocks(ray)?;
     let far = root.t * ray.direction.abs().max_element() > CONTACT_REACH * ray.error;
     if contacts == Contacts::CROSSED || far || ray.leaving.is_some() {
