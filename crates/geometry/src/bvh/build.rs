@@ -6,9 +6,10 @@
 //! so that subtrees can be built by several threads with the same result as by one.
 
 use dioptric_math::{DVec3, Vec4};
-use rayon::prelude::*;
 
-use super::{Bvh, Child, Lanes, MAX_DEPTH, Node, WIDTH};
+use super::item::{Box32, Item, box_of, item, number};
+use super::widen::widen;
+use super::{Bvh, Child, Lanes, MAX_DEPTH};
 use crate::bounds::Bounds;
 
 /// Bins for many items; a few have fewer.
@@ -21,100 +22,13 @@ const MAX_LEAF: usize = Child::MAX_COUNT;
 /// The cost of a visit to a node, in tests of an item.
 const VISIT_COST: f64 = 1.5;
 /// Below this many items a second thread costs more than it saves.
-const PARALLEL: usize = 4096;
+pub(super) const PARALLEL: usize = 4096;
 
 /// So many items are counted by several threads together.
 const SHARED: usize = 1 << 16;
 
-/// A box in single precision, about the tree's centre. The fourth numbers mean nothing.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Box32 {
-    min: Vec4,
-    max: Vec4,
-}
-
-impl Box32 {
-    const EMPTY: Self = Self { min: Vec4::INFINITY, max: Vec4::NEG_INFINITY };
-
-    /// One step further out than the nearest f32, which also covers the subtraction's rounding.
-    pub(super) fn around(b: &Bounds, center: DVec3) -> Self {
-        let [x, y, z] = (b.min - center).to_array().map(|x| (x as f32).next_down());
-        let min = Vec4::new(x, y, z, 0.0);
-        let [x, y, z] = (b.max - center).to_array().map(|x| (x as f32).next_up());
-        Self { min, max: Vec4::new(x, y, z, 0.0) }
-    }
-
-    pub(super) fn is_finite(&self) -> bool {
-        // Also false where a corner is NaN.
-        self.min.is_finite() && self.max.is_finite()
-    }
-
-    #[inline(always)]
-    fn union(self, other: Self) -> Self {
-        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
-    }
-
-    /// The largest coordinate.
-    fn largest(&self) -> f64 {
-        f64::from(self.min.abs().max(self.max.abs()).truncate().max_element())
-    }
-
-    /// The box's middle; halves first, so that it cannot overflow.
-    #[inline(always)]
-    fn center(&self) -> Vec4 {
-        self.min * 0.5 + self.max * 0.5
-    }
-
-    /// Half the surface, in f64 so that few scales overflow; 0 where empty.
-    #[inline(always)]
-    fn half_area(&self) -> f64 {
-        let [x, y, z, _] = (self.max - self.min).max(Vec4::ZERO).to_array().map(f64::from);
-        x * y + y * z + z * x
-    }
-}
-
-/// What a tree is built over: a box about the tree's centre, and a number; eight words, so that memory for them
-/// need not be cleared.
-pub(crate) type Item = [f32; 8];
-
-/// The number is kept among the coordinates; with this bit it is one that no sum takes long with.
-const NUMBER: u32 = 1 << 30;
-
-/// Makes an item. The box is finite and not empty, `number` below [`Bvh::MAX_ITEMS`] or anything for one that
-/// stands alone.
-#[inline(always)]
-pub(crate) fn item(min: [f32; 3], max: [f32; 3], number: u32) -> Item {
-    let number = f32::from_bits(number & (NUMBER - 1) | NUMBER);
-    [min[0], min[1], min[2], number, max[0], max[1], max[2], 0.0]
-}
-
-/// The item of a box; `None` where the box is empty, or not finite in single precision.
-pub(crate) fn item_around(bounds: &Bounds, center: DVec3, number: u32) -> Option<Item> {
-    let b = Box32::around(bounds, center);
-    (!bounds.is_empty() && b.is_finite())
-        .then(|| item(b.min.truncate().to_array(), b.max.truncate().to_array(), number))
-}
-
-/// The number of an item.
-#[inline(always)]
-pub(crate) fn number(item: &Item) -> u32 {
-    item[3].to_bits() & (NUMBER - 1)
-}
-
-/// The largest extent of an item along an axis.
-#[inline(always)]
-pub(crate) fn extent(item: &Item) -> f32 {
-    (item[4] - item[0]).max(item[5] - item[1]).max(item[6] - item[2])
-}
-
-#[inline(always)]
-fn box_of(item: &Item) -> Box32 {
-    let [a, b, c, d, e, f, g, h] = *item;
-    Box32 { min: Vec4::new(a, b, c, d), max: Vec4::new(e, f, g, h) }
-}
-
 /// A split in two: the boxes of both sides and their children, as words for the same reason.
-type Split2 = [u32; 16];
+pub(super) type Split2 = [u32; 16];
 
 fn pack(left: &Built, right: &Built) -> Split2 {
     let mut words = [0; 16];
@@ -129,7 +43,7 @@ fn pack(left: &Built, right: &Built) -> Split2 {
     words
 }
 
-fn unpack(words: &Split2) -> [Built; 2] {
+pub(super) fn unpack(words: &Split2) -> [Built; 2] {
     let side = |at: usize| {
         let x = |i: usize| f32::from_bits(words[at + i]);
         Built {
@@ -226,9 +140,9 @@ fn around_all(items: &[Item]) -> (Box32, Box32) {
 
 /// A built subtree.
 #[derive(Clone, Copy)]
-struct Built {
-    child: Child,
-    bounds: Box32,
+pub(super) struct Built {
+    pub child: Child,
+    pub bounds: Box32,
 }
 
 /// A range of items that becomes a subtree, with the part of the arrays that it owns.
@@ -466,101 +380,4 @@ fn halve(items: &mut [Item], centers: &Box32) -> Parts {
     let (left, right) = items.split_at(middle);
     let [left, right] = [left, right].map(around_all);
     Parts { middle, bounds: [left.0, right.0], centers: [left.1, right.1] }
-}
-
-/// The parts of a node of eight: of the parts so far the one with the largest box is split on, as long as
-/// there is room.
-fn open(splits: &[Split2], root: &Built) -> ([Built; WIDTH], usize) {
-    let mut parts = [Built { child: Child::default(), bounds: Box32::EMPTY }; WIDTH];
-    // Leaves stay as they are.
-    let area = |part: &Built| part.child.node().map_or(-1.0, |_| part.bounds.half_area());
-    let mut areas = [-1.0; WIDTH];
-    (parts[0], areas[0]) = (*root, area(root));
-    let mut used = 1;
-    while used < WIDTH {
-        let largest = (1..used).fold(0, |a, b| if areas[b] > areas[a] { b } else { a });
-        let Some(split) = parts[largest].child.node().and_then(|index| splits.get(index)) else {
-            break;
-        };
-        let [left, right] = unpack(split);
-        (parts[largest], areas[largest]) = (left, area(&left));
-        (parts[used], areas[used]) = (right, area(&right));
-        used += 1;
-    }
-    (parts, used)
-}
-
-fn node(parts: &[Built; WIDTH]) -> Node {
-    Node {
-        planes: std::array::from_fn(|plane| {
-            let side = |b: &Box32| if plane % 2 == 0 { b.min } else { b.max }[plane / 2];
-            parts.map(|part| side(&part.bounds))
-        }),
-        children: parts.map(|part| part.child),
-    }
-}
-
-/// What becomes a node, how deep it will be, and the node and lane that refer to it.
-struct Pending {
-    subtree: Built,
-    depth: usize,
-    parent: Option<(usize, usize)>,
-}
-
-/// Joins splits in two to nodes of eight, counted from 0, and returns how deep they are. Each node is followed by
-/// its first child's subtree.
-fn subtree(splits: &[Split2], root: &Built) -> (Vec<Node>, usize) {
-    let (mut nodes, mut deepest) = (Vec::new(), 1);
-    let mut pending = vec![Pending { subtree: *root, depth: 1, parent: None }];
-    while let Some(Pending { subtree, depth, parent }) = pending.pop() {
-        let (parts, used) = open(splits, &subtree);
-        let index = nodes.len();
-        deepest = deepest.max(depth);
-        nodes.push(node(&parts));
-        if let Some((parent, lane)) = parent
-            && let Some(node) = nodes.get_mut(parent)
-        {
-            node.children[lane] = Child::inner(index);
-        }
-        for lane in (0..used).rev() {
-            if parts[lane].child.node().is_some() {
-                let parent = Some((index, lane));
-                pending.push(Pending { subtree: parts[lane], depth: depth + 1, parent });
-            }
-        }
-    }
-    (nodes, deepest)
-}
-
-/// The same for the whole tree, the root's children by several threads.
-fn widen(bvh: &mut Bvh, splits: &[Split2], root: &Built) {
-    let (parts, _) = open(splits, root);
-    let widened = |part: &Built| {
-        let inner = part.child.node().is_some() && part.bounds.min.x <= part.bounds.max.x;
-        inner.then(|| subtree(splits, part))
-    };
-    let below: Vec<_> = if splits.len() >= PARALLEL && rayon::current_thread_index().is_some() {
-        parts.par_iter().map(widened).collect()
-    } else {
-        parts.iter().map(widened).collect()
-    };
-    let count = below.iter().flatten().map(|(nodes, _)| nodes.len()).sum::<usize>();
-    bvh.nodes = crate::memory::with_capacity(1 + count);
-    bvh.nodes.push(node(&parts));
-    for (lane, (nodes, depth)) in below.into_iter().enumerate().filter_map(|(i, b)| Some((i, b?))) {
-        let first = bvh.nodes.len();
-        bvh.nodes[0].children[lane] = Child::inner(first);
-        bvh.depth = bvh.depth.max(1 + depth);
-        bvh.nodes.extend(nodes.into_iter().map(|mut node| {
-            for lane in 0..WIDTH {
-                // Missing children keep what they have, which nobody asks for.
-                if let Some(index) = node.children[lane].node()
-                    && node.planes[0][lane] < f32::INFINITY
-                {
-                    node.children[lane] = Child::inner(first + index);
-                }
-            }
-            node
-        }));
-    }
 }

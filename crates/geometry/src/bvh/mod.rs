@@ -10,6 +10,7 @@
 
 pub(crate) mod balls;
 pub(crate) mod build;
+pub(crate) mod item;
 #[allow(unsafe_code)]
 pub(crate) mod lanes;
 pub(crate) mod packet;
@@ -17,6 +18,7 @@ mod ray;
 #[allow(unsafe_code)]
 pub(crate) mod traverse;
 pub(crate) mod triangles;
+mod widen;
 
 use std::ops::Range;
 
@@ -112,7 +114,7 @@ impl Bvh {
     /// Whether a box is finite and not empty, also in single precision about `center`.
     #[must_use]
     pub fn can_hold(bounds: &Bounds, center: DVec3) -> bool {
-        !bounds.is_empty() && build::Box32::around(bounds, center).is_finite()
+        !bounds.is_empty() && item::Box32::around(bounds, center).is_finite()
     }
 
     /// Where the boxes have their origin.

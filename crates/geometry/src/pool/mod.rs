@@ -15,7 +15,8 @@ use rayon::prelude::*;
 
 use crate::bounds::Bounds;
 use crate::bvh::balls::{BALLS, BallRay, Balls};
-use crate::bvh::build::{Item, build_items, item_around, number};
+use crate::bvh::build::build_items;
+use crate::bvh::item::{Item, item_around, number};
 use crate::bvh::lanes::{Job, Test, apart};
 use crate::bvh::traverse::{Leaves, walk_tree};
 use crate::bvh::{BoxRay, Bvh, Costs, Lanes, NoCount};

@@ -10,6 +10,7 @@ mod batch;
 mod builder;
 mod cast;
 mod filter;
+mod passages;
 mod query;
 
 use dioptric_math::bounds::gamma;

@@ -7,6 +7,7 @@ pub mod media;
 pub mod optics;
 pub mod passage;
 mod point;
+mod record;
 pub mod recorder;
 mod shadow;
 mod tree;

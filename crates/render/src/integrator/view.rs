@@ -11,8 +11,9 @@ use dioptric_math::random::{mix, unit};
 use serde_json::json;
 
 use super::point::Point;
+use super::record::record;
 use super::recorder::{RayKind, Recorder, Silent};
-use super::whitted::{Whitted, record};
+use super::whitted::Whitted;
 use crate::film::{FirstHit, Radiance};
 use crate::sampling::stream::Stream;
 use crate::scene::Scene;
