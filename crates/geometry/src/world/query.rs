@@ -163,11 +163,7 @@ impl World {
         let mut found = None;
         let at_top = scene_ray(ray, t_max)?;
         self.visit_instances(&at_top, t_max, departure, &mut NoCount, |instance, object, local| {
-            let root = meet(instance, object, local, contacts).filter(|root| root.t < t_max);
-            found = root.map(|root| Hit {
-                t: root.t,
-                id: HitId { instance, object: object.id, part: root.part },
-            });
+            found = blocked_by(instance, object, local, t_max, contacts);
             found.is_none().then_some(local.t_max)
         });
         found
@@ -190,9 +186,7 @@ impl World {
         }
         counter.shapes(1);
         let local = single_ray(object, ray, t_max, departure);
-        let root = block(HitId::NO_INSTANCE, object, &local, contacts)?;
-        let id = HitId { instance: HitId::NO_INSTANCE, object: object.id, part: root.part };
-        (root.t < t_max).then_some(id)
+        blocked_by(HitId::NO_INSTANCE, object, &local, t_max, contacts).map(|hit| hit.id)
     }
 
     #[inline(never)]
@@ -206,11 +200,10 @@ impl World {
     ) -> Option<HitId> {
         let mut found = None;
         self.visit(ray, t_max, departure, counter, |instance, object, local| {
-            let root = block(instance, object, local, contacts).filter(|root| root.t < t_max);
-            found = root.map(|root| HitId { instance, object: object.id, part: root.part });
+            found = blocked_by(instance, object, local, t_max, contacts);
             found.is_none().then_some(local.t_max)
         });
-        found
+        found.map(|hit| hit.id)
     }
 
     /// The nearest hit of one object alone: the exit of glass belongs to the object that was entered.
@@ -425,6 +418,19 @@ fn improve(
         }
     }
     local.t_max
+}
+
+/// Any hit of an object before `t_max`.
+#[inline]
+fn blocked_by(
+    instance: u32,
+    object: &Object,
+    local: &LocalRay,
+    t_max: f64,
+    contacts: Contacts,
+) -> Option<Hit> {
+    let root = block(instance, object, local, contacts).filter(|root| root.t < t_max)?;
+    Some(Hit { t: root.t, id: HitId { instance, object: object.id, part: root.part } })
 }
 
 /// Any root of an object before `t_max`, judged as by [`meet`].
