@@ -1,61 +1,31 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Building by the surface area heuristic over bins (Wald, "On fast Construction of SAH-based
-//! Bounding Volume Hierarchies", IEEE Symposium on Interactive Ray Tracing, 2007).
+//! Building from the root down: items are split in two until they are a leaf, and splits are joined to nodes of
+//! eight as they are made.
 //!
-//! Every subtree owns a fixed part of the arrays (a range of `n` items needs at most `n - 1` nodes),
-//! so that subtrees can be built by several threads with the same result as by one.
+//! A node knows how many nodes further each of its children is, so that subtrees can be built anywhere, by several
+//! threads, and put one after the other with the same result as by one.
 
-use dioptric_math::{DVec3, Vec4};
+use dioptric_math::DVec3;
+use rayon::prelude::*;
 
-use super::item::{Box32, Item, box_of, item, number};
-use super::widen::widen;
-use super::{Bvh, Child, Lanes, MAX_DEPTH};
+use super::bins::{Filled, Halves, Verdict, Weighed};
+use super::item::{Box32, Item, box_of, item_around, number};
+use super::{Bvh, Child, Lanes, MAX_DEPTH, Node, WIDTH};
 use crate::bounds::Bounds;
+use crate::memory;
 
-/// Bins for many items; a few have fewer.
-const BINS: usize = 32;
-const FEW_BINS: usize = 16;
-/// Fewer items than this are a few.
-const MANY: usize = 512;
 /// Leaves hold no more items, even where nothing tells them apart.
 const MAX_LEAF: usize = Child::MAX_COUNT;
 /// The cost of a visit to a node, in tests of an item.
-const VISIT_COST: f64 = 1.5;
+const VISIT_COST: f32 = 1.5;
 /// Below this many items a second thread costs more than it saves.
-pub(super) const PARALLEL: usize = 4096;
-
-/// So many items are counted by several threads together.
-const SHARED: usize = 1 << 16;
-
-/// A split in two: the boxes of both sides and their children, as words for the same reason.
-pub(super) type Split2 = [u32; 16];
-
-fn pack(left: &Built, right: &Built) -> Split2 {
-    let mut words = [0; 16];
-    for (half, side) in words.chunks_exact_mut(8).zip([left, right]) {
-        let numbers = side.bounds.min.to_array().into_iter().take(3);
-        let numbers = numbers.chain(side.bounds.max.to_array().into_iter().take(3));
-        for (word, x) in half.iter_mut().zip(numbers) {
-            *word = x.to_bits();
-        }
-        half[7] = side.child.0;
-    }
-    words
-}
-
-pub(super) fn unpack(words: &Split2) -> [Built; 2] {
-    let side = |at: usize| {
-        let x = |i: usize| f32::from_bits(words[at + i]);
-        Built {
-            child: Child(words[at + 7]),
-            bounds: Box32 {
-                min: Vec4::new(x(0), x(1), x(2), 0.0),
-                max: Vec4::new(x(3), x(4), x(5), 0.0),
-            },
-        }
-    };
-    [side(0), side(8)]
-}
+const PARALLEL: usize = 4096;
+/// From so many items on, the subtrees of a node are built by several threads.
+const MANY: usize = 1 << 15;
+/// A guess, and no more.
+const ITEMS_PER_NODE: usize = 24;
+/// More items than this are split ahead by several threads.
+const AHEAD: usize = 1 << 16;
 
 /// What the leaves cost.
 #[derive(Clone, Copy, Debug)]
@@ -63,16 +33,17 @@ pub(crate) struct Costs {
     /// How many items are tested at once: 1, 2, 4 or 8.
     pub block: usize,
     /// The cost of a split, in such tests.
-    pub visit: f64,
+    pub visit: f32,
 }
 
 impl Costs {
     /// Items that are tested one by one.
     pub const SINGLE: Self = Self { block: 1, visit: VISIT_COST };
 
+    /// The tests that so many items take.
     #[inline(always)]
-    fn tests(&self, items: u32) -> f64 {
-        f64::from((items + (self.block as u32 - 1)) >> self.block.trailing_zeros())
+    pub(super) fn tests(&self, items: u32) -> f32 {
+        ((items + (self.block as u32 - 1)) >> self.block.trailing_zeros()) as f32
     }
 }
 
@@ -84,10 +55,7 @@ pub(super) fn build(
     let items = boxes
         .take(Bvh::MAX_ITEMS)
         .zip(0..)
-        .map(|(b, index)| {
-            let b = Box32::around(&b, center);
-            item(b.min.truncate().to_array(), b.max.truncate().to_array(), index)
-        })
+        .filter_map(|(b, index)| item_around(&b, center, index))
         .collect();
     let (bvh, items) = build_items(items, center, costs);
     (bvh, items.iter().map(number).collect())
@@ -96,282 +64,322 @@ pub(super) fn build(
 /// Builds a tree over items, whose boxes are about `center`; returns them in the order of the leaves.
 pub(crate) fn build_items(mut items: Vec<Item>, center: DVec3, costs: Costs) -> (Bvh, Vec<Item>) {
     items.truncate(Bvh::MAX_ITEMS);
-    let mut bvh = Bvh { nodes: Vec::new(), center, extent: 0.0, depth: 1, lanes: Lanes::best() };
+    let lanes = Lanes::best();
+    let mut bvh = Bvh { nodes: Vec::new(), center, extent: 0.0, depth: 1, lanes };
     if items.is_empty() {
         return (bvh, items);
     }
-    // Cleared by the system, where it is looked at.
-    let mut splits = vec![[0; 16]; items.len() - 1];
-    crate::memory::advise(&splits);
     let (bounds, centers) = around_all(&items);
-    let root = Range {
-        items: &mut items,
-        first: 0,
-        splits: &mut splits,
-        base: 0,
-        depth: 0,
-        costs,
-        bounds,
-        centers,
-    }
-    .build();
-    bvh.extent = root.bounds.largest();
-    widen(&mut bvh, &splits, &root);
+    bvh.extent = bounds.largest();
+    // Outside a pool `join` would start the global one.
+    let parallel = rayon::current_thread_index().is_some();
+    let builder = Builder { costs, lanes, parallel };
+    let root = Range { items: &mut items, first: 0, depth: 0, bounds, centers };
+    let root = builder.ahead(root, &mut Filled::new());
+    let Subtree { pieces, depth } = match builder.split(root, &mut Filled::new()) {
+        Ok(halves) => builder.subtree(halves),
+        Err(leaf) => Subtree::of(leaf),
+    };
+    bvh.depth = depth;
+    bvh.nodes = join(&pieces, parallel);
     (bvh, items)
 }
 
 /// The box around items, and the one around their centres.
 fn around_all(items: &[Item]) -> (Box32, Box32) {
-    let run = |items: &[Item]| {
-        let mut all = (Box32::EMPTY, Box32::EMPTY);
-        for b in items.iter().map(box_of) {
-            let c = b.center();
-            all = (all.0.union(b), all.1.union(Box32 { min: c, max: c }));
-        }
-        all
-    };
     if items.len() >= PARALLEL && rayon::current_thread_index().is_some() {
         let (left, right) = items.split_at(items.len() / 2);
         let (left, right) = rayon::join(|| around_all(left), || around_all(right));
         return (left.0.union(right.0), left.1.union(right.1));
     }
-    run(items)
+    items
+        .iter()
+        .map(box_of)
+        .fold((Box32::EMPTY, Box32::EMPTY), |all, b| (all.0.union(b), all.1.union(b.center())))
 }
 
-/// A built subtree.
-#[derive(Clone, Copy)]
-pub(super) struct Built {
-    pub child: Child,
-    pub bounds: Box32,
-}
-
-/// A range of items that becomes a subtree, with the part of the arrays that it owns.
+/// A range of items that becomes a subtree.
 struct Range<'a> {
     items: &'a mut [Item],
     /// Where `items` begins among all.
     first: u32,
-    splits: &'a mut [Split2],
-    /// Where `splits` begins among all.
-    base: u32,
+    /// Splits above.
     depth: usize,
-    costs: Costs,
     /// Around the items, and around their centres.
     bounds: Box32,
     centers: Box32,
 }
 
-/// Items in two parts: the number of the first ones, and the boxes of both, as of [`Range`].
-struct Parts {
-    middle: usize,
-    bounds: [Box32; 2],
-    centers: [Box32; 2],
+/// A part of the tree.
+enum Part<'a> {
+    /// Not looked at yet.
+    Range(Range<'a>),
+    /// Two halves, and the box around them.
+    Split(Box32, Box<[Part<'a>; 2]>),
+    /// A leaf, and its box.
+    Leaf(Box32, Child),
 }
 
-impl Range<'_> {
-    fn build(self) -> Built {
-        let n = self.items.len();
-        let bounds = self.bounds;
-        let leaf = Built { child: Child::leaf(self.first as usize, n.min(MAX_LEAF)), bounds };
+/// The parts of a node; those that are missing have boxes that no ray enters.
+type Parts<'a> = [Part<'a>; WIDTH];
+
+impl Part<'_> {
+    /// What is missing.
+    const NONE: Self = Self::Leaf(Box32::EMPTY, Child::leaf(0, 1));
+
+    const fn take(&mut self) -> Self {
+        std::mem::replace(self, Self::NONE)
+    }
+
+    fn bounds(&self) -> &Box32 {
+        match self {
+            Self::Range(range) => &range.bounds,
+            Self::Split(bounds, _) | Self::Leaf(bounds, _) => bounds,
+        }
+    }
+
+    /// How much it is worth to be split; negative for a leaf.
+    fn area(&self) -> f64 {
+        match self {
+            Self::Leaf(..) => -1.0,
+            _ => self.bounds().half_area(),
+        }
+    }
+
+    /// How many items may still be split.
+    fn items(&self) -> usize {
+        match self {
+            Self::Range(range) => range.items.len(),
+            Self::Split(_, halves) => halves[0].items() + halves[1].items(),
+            Self::Leaf(..) => 0,
+        }
+    }
+
+    /// The child that a leaf is.
+    const fn child(&self) -> Child {
+        match self {
+            Self::Leaf(_, child) => *child,
+            _ => Child::leaf(0, 1),
+        }
+    }
+}
+
+/// Nodes in pieces, to be put one after the other.
+struct Subtree {
+    pieces: Vec<Vec<Node>>,
+    /// Nodes on the longest way.
+    depth: usize,
+}
+
+impl Subtree {
+    /// A node with nothing but a leaf.
+    fn of(leaf: Part) -> Self {
+        let child = leaf.child();
+        let mut parts = [const { Part::NONE }; WIDTH];
+        parts[0] = leaf;
+        let mut node = node(&parts);
+        node.children[0] = child;
+        Self { pieces: vec![vec![node]], depth: 1 }
+    }
+}
+
+struct Builder {
+    costs: Costs,
+    lanes: Lanes,
+    /// Whether there are other threads to ask.
+    parallel: bool,
+}
+
+impl Builder {
+    /// Splits a part in two, or makes it the leaf that it is to be.
+    #[inline]
+    fn split<'a>(&self, part: Part<'a>, filled: &mut Filled) -> Result<[Part<'a>; 2], Part<'a>> {
+        let range = match part {
+            Part::Range(range) => range,
+            Part::Split(_, halves) => return Ok(*halves),
+            Part::Leaf(..) => return Err(part),
+        };
+        let Range { items, first, depth, bounds, centers } = range;
+        let n = items.len();
+        let leaf = Part::Leaf(bounds, Child::leaf(first as usize, n.min(MAX_LEAF)));
         // What is tested at once anyway is not worth a look.
         if n <= self.costs.block {
-            return leaf;
+            return Err(leaf);
         }
         // Halving from here on must end within the depth that the traversal's stack allows.
-        let levels_left = MAX_DEPTH - self.depth;
-        let must_halve = n.ilog2() as usize + 2 >= levels_left;
-        let split =
-            if must_halve { None } else { Split::best(self.items, &self.centers, &self.costs) };
-        let parts = match split {
-            Some(s) => {
-                let cost = self.costs.visit * bounds.half_area() + s.cost;
-                if n <= MAX_LEAF && cost >= self.costs.tests(n as u32) * bounds.half_area() {
-                    return leaf;
-                }
-                s.partition(self.items)
-            }
-            None if n <= MAX_LEAF => return leaf,
-            None => halve(self.items, &self.centers),
-        };
-        let middle = parts.middle;
-        let (left, right) = self.items.split_at_mut(middle);
-        let Some((split, rest)) = self.splits.split_first_mut() else { return leaf };
-        let (left_splits, right_splits) = rest.split_at_mut(middle - 1);
-        let (depth, costs) = (self.depth + 1, self.costs);
-        let left = Range {
-            items: left,
-            first: self.first,
-            splits: left_splits,
-            base: self.base + 1,
-            depth,
-            costs,
-            bounds: parts.bounds[0],
-            centers: parts.centers[0],
-        };
-        let right = Range {
-            items: right,
-            first: self.first + middle as u32,
-            splits: right_splits,
-            base: self.base + middle as u32,
-            depth,
-            costs,
-            bounds: parts.bounds[1],
-            centers: parts.centers[1],
-        };
-        // Outside a pool `join` would start the global one.
-        let (left, right) = if n >= PARALLEL && rayon::current_thread_index().is_some() {
-            rayon::join(|| left.build(), || right.build())
+        let must_halve = n.ilog2() as usize + 2 >= MAX_DEPTH - depth;
+        let verdict = if must_halve {
+            Verdict::Alike
         } else {
-            (left.build(), right.build())
+            let of = Weighed {
+                items: &mut *items,
+                bounds: &bounds,
+                centers: &centers,
+                costs: &self.costs,
+            };
+            of.split(self.lanes, filled)
         };
-        *split = pack(&left, &right);
-        Built { child: Child::inner(self.base as usize), bounds }
+        let parts = match verdict {
+            Verdict::Split(parts) => parts,
+            Verdict::Leaf => return Err(leaf),
+            Verdict::Alike if n <= MAX_LEAF => return Err(leaf),
+            Verdict::Alike => halve(items, &centers),
+        };
+        let (left, right) = items.split_at_mut(parts.middle);
+        let [a, b] = parts.bounds;
+        let [c, d] = parts.centers;
+        let (depth, middle) = (depth + 1, first + parts.middle as u32);
+        Ok([
+            Part::Range(Range { items: left, first, depth, bounds: a, centers: c }),
+            Part::Range(Range { items: right, first: middle, depth, bounds: b, centers: d }),
+        ])
     }
-}
 
-/// Which bins an item falls into, on all axes.
-#[derive(Clone, Copy)]
-struct Binning {
-    low: Vec4,
-    scale: Vec4,
-    last: Vec4,
-}
-
-impl Binning {
-    fn new(centers: &Box32, bins: usize) -> Self {
-        let width = centers.max - centers.min;
-        let scale = width.to_array().map(|w| if w > 0.0 { bins as f32 / w } else { 0.0 });
-        Self {
-            low: centers.min,
-            scale: Vec4::from_array(scale),
-            last: Vec4::splat((bins - 1) as f32),
+    /// Splits what is large, so that all threads have something to do.
+    fn ahead<'a>(&self, range: Range<'a>, filled: &mut Filled) -> Part<'a> {
+        let bounds = range.bounds;
+        if range.items.len() < AHEAD || !self.parallel {
+            return Part::Range(range);
+        }
+        match self.split(Part::Range(range), filled) {
+            Err(leaf) => leaf,
+            Ok(halves) => {
+                let go_on = |part: Part<'a>, filled: &mut Filled| match part {
+                    Part::Range(range) => self.ahead(range, filled),
+                    other => other,
+                };
+                let [left, right] = halves;
+                let (left, right) =
+                    rayon::join(|| go_on(left, filled), || go_on(right, &mut Filled::new()));
+                Part::Split(bounds, Box::new([left, right]))
+            }
         }
     }
 
-    #[inline(always)]
-    fn bins(&self, center: Vec4) -> [u32; 4] {
-        // A NaN (0 times infinity, in boxes of nearly no size) becomes 0.
-        whole(((center - self.low) * self.scale).max(Vec4::ZERO).min(self.last))
-    }
-}
-
-/// What falls into the bins of each axis.
-struct Filled {
-    bins: [[Box32; BINS]; 3],
-    counts: [[u32; BINS]; 3],
-}
-
-impl Binning {
-    fn fill(&self, items: &[Item]) -> Filled {
-        if items.len() >= SHARED && rayon::current_thread_index().is_some() {
-            let (left, right) = items.split_at(items.len() / 2);
-            let (mut all, more) = rayon::join(|| self.fill(left), || self.fill(right));
-            for axis in 0..3 {
-                for bin in 0..BINS {
-                    all.bins[axis][bin] = all.bins[axis][bin].union(more.bins[axis][bin]);
-                    all.counts[axis][bin] += more.counts[axis][bin];
+    /// Splits the largest parts until there are as many as a node has room for.
+    fn open<'a>(&self, [a, b]: [Part<'a>; 2], filled: &mut Filled) -> Parts<'a> {
+        let (mut parts, mut areas) = ([const { Part::NONE }; WIDTH], [-1.0; WIDTH]);
+        (areas[0], areas[1]) = (a.area(), b.area());
+        (parts[0], parts[1]) = (a, b);
+        let mut used = 2;
+        while used < WIDTH {
+            let largest = (1..used).fold(0, |a, b| if areas[b] > areas[a] { b } else { a });
+            if !(areas[largest] >= 0.0) {
+                break;
+            }
+            match self.split(parts[largest].take(), filled) {
+                Err(leaf) => {
+                    areas[largest] = -1.0;
+                    parts[largest] = leaf;
+                }
+                Ok([left, right]) => {
+                    (areas[largest], areas[used]) = (left.area(), right.area());
+                    (parts[largest], parts[used]) = (left, right);
+                    used += 1;
                 }
             }
-            return all;
         }
-        let mut bins = [[Box32::EMPTY; BINS]; 3];
-        let mut counts = [[0_u32; BINS]; 3];
-        for b in items.iter().map(box_of) {
-            let [x, y, z, _] = self.bins(b.center()).map(|bin| bin as usize % BINS);
-            bins[0][x] = bins[0][x].union(b);
-            bins[1][y] = bins[1][y].union(b);
-            bins[2][z] = bins[2][z].union(b);
-            counts[0][x] += 1;
-            counts[1][y] += 1;
-            counts[2][z] += 1;
+        parts
+    }
+
+    /// Adds the node of two halves, each child followed by its own subtree; returns how deep it is.
+    fn add(&self, halves: [Part; 2], nodes: &mut Vec<Node>, filled: &mut Filled) -> usize {
+        let parts = self.open(halves, filled);
+        let (index, mut deepest) = (nodes.len(), 0);
+        let mut node = node(&parts);
+        nodes.push(node);
+        for (part, child) in parts.into_iter().zip(&mut node.children) {
+            match self.split(part, filled) {
+                Ok(halves) => {
+                    *child = Child::inner(nodes.len() - index);
+                    deepest = deepest.max(self.add(halves, nodes, filled));
+                }
+                Err(leaf) => *child = leaf.child(),
+            }
         }
-        Filled { bins, counts }
+        nodes[index] = node;
+        1 + deepest
+    }
+
+    /// The subtree of two halves, by several threads where there is enough for them.
+    fn subtree(&self, halves: [Part; 2]) -> Subtree {
+        let filled = &mut Filled::new();
+        let items = halves[0].items() + halves[1].items();
+        if !self.parallel || items < MANY {
+            let mut nodes = Vec::with_capacity(items / ITEMS_PER_NODE);
+            let depth = self.add(halves, &mut nodes, filled);
+            return Subtree { pieces: vec![nodes], depth };
+        }
+        let parts = self.open(halves, filled);
+        let mut node = node(&parts);
+        let below = |part: Part| match self.split(part, &mut Filled::new()) {
+            Ok(halves) => Ok(self.subtree(halves)),
+            Err(leaf) => Err(leaf.child()),
+        };
+        let below: Vec<_> = Vec::from(parts).into_par_iter().with_max_len(1).map(below).collect();
+        let (mut pieces, mut count, mut deepest) = (vec![Vec::new()], 1, 0);
+        for (below, child) in below.into_iter().zip(&mut node.children) {
+            match below {
+                Ok(subtree) => {
+                    *child = Child::inner(count);
+                    count += subtree.pieces.iter().map(Vec::len).sum::<usize>();
+                    deepest = deepest.max(subtree.depth);
+                    pieces.extend(subtree.pieces);
+                }
+                Err(leaf) => *child = leaf,
+            }
+        }
+        pieces[0].push(node);
+        Subtree { pieces, depth: 1 + deepest }
     }
 }
 
-/// The whole parts of numbers between 0 and [`BINS`].
-#[inline(always)]
-fn whole(x: Vec4) -> [u32; 4] {
-    // Added to this number, whole parts are the lowest bits.
-    const SHIFT: f32 = (1 << 23) as f32;
-    // Rounds to the nearest, or up: half less is the part that is meant, or for whole numbers perhaps one less.
-    let shifted = (x - Vec4::splat(0.499_999_97)).max(Vec4::ZERO) + Vec4::splat(SHIFT);
-    shifted.to_array().map(|x| x.to_bits() & 31)
-}
-
-#[derive(Clone, Copy)]
-struct Split {
-    binning: Binning,
-    axis: usize,
-    /// The first bin of the right side.
-    bin: u32,
-    bounds: [Box32; 2],
-    /// Items times half areas, both sides.
-    cost: f64,
-}
-
-impl Split {
-    /// The cheapest split between two bins on any axis; `None` where all centres are one point.
-    fn best(items: &[Item], centers: &Box32, costs: &Costs) -> Option<Self> {
-        let used = if items.len() < MANY { items.len().clamp(4, FEW_BINS) } else { BINS };
-        let binning = Binning::new(centers, used);
-        let Filled { bins, counts } = binning.fill(items);
-        let mut best: Option<(f64, usize, usize)> = None;
+/// A node without its children; their boxes.
+fn node(parts: &Parts) -> Node {
+    let mut node = Node { planes: [[0.0; WIDTH]; 6], children: [Child::default(); WIDTH] };
+    for (lane, part) in parts.iter().enumerate() {
         for axis in 0..3 {
-            if !(binning.scale[axis] > 0.0) {
-                continue;
-            }
-            let (bins, counts) = (&bins[axis], &counts[axis]);
-            // Right to left: what lies right of each boundary; then left to right.
-            let mut right = [0.0; BINS];
-            let (mut bounds, mut count) = (Box32::EMPTY, 0);
-            for bin in (1..used).rev() {
-                bounds = bounds.union(bins[bin]);
-                count += counts[bin];
-                right[bin] = bounds.half_area() * costs.tests(count);
-            }
-            let (mut bounds, mut count) = (Box32::EMPTY, 0);
-            for bin in 1..used {
-                bounds = bounds.union(bins[bin - 1]);
-                count += counts[bin - 1];
-                let cost = bounds.half_area() * costs.tests(count) + right[bin];
-                let one_side = count == 0 || count as usize == items.len();
-                if !one_side && best.is_none_or(|b| cost < b.0) {
-                    best = Some((cost, axis, bin));
-                }
-            }
+            node.planes[2 * axis][lane] = part.bounds().min(axis);
+            node.planes[2 * axis + 1][lane] = part.bounds().max(axis);
         }
-        let (cost, axis, bin) = best?;
-        let (left, right) = bins[axis].split_at(bin);
-        let bounds = [left, right].map(|side| side.iter().fold(Box32::EMPTY, |a, b| a.union(*b)));
-        Some(Self { binning, axis, bin: bin as u32, bounds, cost })
     }
+    node
+}
 
-    /// Moves the left side's items to the front.
-    fn partition(&self, items: &mut [Item]) -> Parts {
-        let mut middle = 0;
-        let mut centers = [Box32::EMPTY; 2];
-        for i in 0..items.len() {
-            let item = items[i];
-            let c = box_of(&item).center();
-            let on_left = self.binning.bins(c)[self.axis] < self.bin;
-            let side = &mut centers[usize::from(!on_left)];
-            *side = side.union(Box32 { min: c, max: c });
-            // No branch: which side comes next cannot be foreseen.
-            items[i] = items[middle];
-            items[middle] = item;
-            middle += usize::from(on_left);
-        }
-        Parts { middle, bounds: self.bounds, centers }
+/// All nodes in one piece, their children counted from the first.
+fn join(pieces: &[Vec<Node>], parallel: bool) -> Vec<Node> {
+    let mut count = 0;
+    let mut starts = Vec::with_capacity(pieces.len());
+    for piece in pieces {
+        starts.push(count);
+        count += piece.len();
     }
+    let absolute = |index: usize| {
+        let piece = starts.partition_point(|&start| start <= index) - 1;
+        let mut node = pieces[piece][index - starts[piece]];
+        for child in &mut node.children {
+            if let Some(further) = child.node() {
+                *child = Child::inner(index + further);
+            }
+        }
+        node
+    };
+    let mut nodes = memory::with_capacity(count);
+    if parallel {
+        nodes.par_extend((0..count).into_par_iter().with_min_len(512).map(absolute));
+    } else {
+        nodes.extend((0..count).map(absolute));
+    }
+    nodes
 }
 
 /// Splits at the median of the centres on the widest axis.
-fn halve(items: &mut [Item], centers: &Box32) -> Parts {
+fn halve(items: &mut [Item], centers: &Box32) -> Halves {
     let middle = items.len() / 2;
-    let width = centers.max - centers.min;
+    let width = centers.size();
     let axis = (0..3).fold(0, |a, b| if width[b] > width[a] { b } else { a });
     if width[axis] > 0.0 {
-        let key = |item: &Item| (box_of(item).center()[axis], number(item));
+        let key = |item: &Item| (box_of(item).center().min(axis), number(item));
         items.select_nth_unstable_by(middle, |a, b| {
             let ((a, i), (b, j)) = (key(a), key(b));
             a.total_cmp(&b).then(i.cmp(&j))
@@ -379,5 +387,5 @@ fn halve(items: &mut [Item], centers: &Box32) -> Parts {
     }
     let (left, right) = items.split_at(middle);
     let [left, right] = [left, right].map(around_all);
-    Parts { middle, bounds: [left.0, right.0], centers: [left.1, right.1] }
+    Halves { middle, bounds: [left.0, right.0], centers: [left.1, right.1] }
 }

@@ -1,77 +1,108 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What a tree is built over: boxes in single precision with the numbers of what they hold.
+//!
+//! A box is its smallest coordinates and the opposites of its largest ones, so that the box around two is the
+//! smaller one of each of eight numbers.
 
-use dioptric_math::{DVec3, Vec4};
+use dioptric_math::DVec3;
 
 use crate::bounds::Bounds;
 
-/// A box in single precision, about the tree's centre. The fourth numbers mean nothing.
+/// A box in single precision, about the tree's centre. The fourth and the last number mean nothing.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Box32 {
-    pub(super) min: Vec4,
-    pub(super) max: Vec4,
-}
+pub(crate) struct Box32(pub(super) [f32; 8]);
 
 impl Box32 {
-    pub(super) const EMPTY: Self = Self { min: Vec4::INFINITY, max: Vec4::NEG_INFINITY };
+    pub(super) const EMPTY: Self = Self([f32::INFINITY; 8]);
+
+    /// A box with these smallest and largest coordinates.
+    pub(super) const fn new(min: [f32; 3], max: [f32; 3]) -> Self {
+        Self([min[0], min[1], min[2], 0.0, -max[0], -max[1], -max[2], 0.0])
+    }
 
     /// One step further out than the nearest f32, which also covers the subtraction's rounding.
     pub(super) fn around(b: &Bounds, center: DVec3) -> Self {
-        let [x, y, z] = (b.min - center).to_array().map(|x| (x as f32).next_down());
-        let min = Vec4::new(x, y, z, 0.0);
-        let [x, y, z] = (b.max - center).to_array().map(|x| (x as f32).next_up());
-        Self { min, max: Vec4::new(x, y, z, 0.0) }
+        let min = (b.min - center).to_array().map(|x| (x as f32).next_down());
+        let max = (b.max - center).to_array().map(|x| (x as f32).next_up());
+        Self::new(min, max)
     }
 
     pub(super) fn is_finite(&self) -> bool {
         // Also false where a corner is NaN.
-        self.min.is_finite() && self.max.is_finite()
+        self.0.iter().all(|x| x.is_finite())
+    }
+
+    /// The smallest coordinate along an axis.
+    #[inline(always)]
+    pub(super) const fn min(&self, axis: usize) -> f32 {
+        self.0[axis]
+    }
+
+    /// The largest coordinate along an axis.
+    #[inline(always)]
+    pub(super) const fn max(&self, axis: usize) -> f32 {
+        -self.0[4 + axis]
     }
 
     #[inline(always)]
     pub(super) fn union(self, other: Self) -> Self {
-        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+        // Written as the processors' own minimum is.
+        Self(std::array::from_fn(|i| if self.0[i] < other.0[i] { self.0[i] } else { other.0[i] }))
     }
 
     /// The largest coordinate.
     pub(super) fn largest(&self) -> f64 {
-        f64::from(self.min.abs().max(self.max.abs()).truncate().max_element())
+        (0..3).fold(0.0, |all, axis| {
+            f64::from(self.min(axis).abs().max(self.max(axis).abs())).max(all)
+        })
     }
 
-    /// The box's middle; halves first, so that it cannot overflow.
+    /// The box around its middle alone; halves first, so that it cannot overflow.
     #[inline(always)]
-    pub(super) fn center(&self) -> Vec4 {
-        self.min * 0.5 + self.max * 0.5
+    pub(super) fn center(&self) -> Self {
+        let b = &self.0;
+        let middle: [f32; 4] = std::array::from_fn(|i| b[i] * 0.5 - b[4 + i] * 0.5);
+        Self(std::array::from_fn(|i| if i < 4 { middle[i] } else { -middle[i - 4] }))
+    }
+
+    /// How wide it is along the axes; 0 where empty.
+    #[inline(always)]
+    pub(super) fn size(&self) -> [f32; 3] {
+        [0, 1, 2].map(|axis| (self.max(axis) - self.min(axis)).max(0.0))
     }
 
     /// Half the surface, in f64 so that few scales overflow; 0 where empty.
     #[inline(always)]
     pub(super) fn half_area(&self) -> f64 {
-        let [x, y, z, _] = (self.max - self.min).max(Vec4::ZERO).to_array().map(f64::from);
+        let [x, y, z] = self.size().map(f64::from);
         x * y + y * z + z * x
     }
 }
 
-/// What a tree is built over: a box about the tree's centre, and a number; eight words, so that memory for them
-/// need not be cleared.
+/// What a tree is built over: a box about the tree's centre as [`Box32`] has it, and a number; eight words, so that
+/// memory for them need not be cleared.
 pub(crate) type Item = [f32; 8];
 
 /// The number is kept among the coordinates; with this bit it is one that no sum takes long with.
 const NUMBER: u32 = 1 << 30;
 
-/// Makes an item. The box is finite and not empty, `number` below [`Bvh::MAX_ITEMS`] or anything for one that
+/// Makes an item. The box is finite and not empty, `number` below [`super::Bvh::MAX_ITEMS`] or anything for one that
 /// stands alone.
 #[inline(always)]
 pub(crate) fn item(min: [f32; 3], max: [f32; 3], number: u32) -> Item {
-    let number = f32::from_bits(number & (NUMBER - 1) | NUMBER);
-    [min[0], min[1], min[2], number, max[0], max[1], max[2], 0.0]
+    numbered(Box32::new(min, max), number)
+}
+
+#[inline(always)]
+fn numbered(Box32(mut words): Box32, number: u32) -> Item {
+    words[3] = f32::from_bits(number & (NUMBER - 1) | NUMBER);
+    words
 }
 
 /// The item of a box; `None` where the box is empty, or not finite in single precision.
 pub(crate) fn item_around(bounds: &Bounds, center: DVec3, number: u32) -> Option<Item> {
     let b = Box32::around(bounds, center);
-    (!bounds.is_empty() && b.is_finite())
-        .then(|| item(b.min.truncate().to_array(), b.max.truncate().to_array(), number))
+    (!bounds.is_empty() && b.is_finite()).then(|| numbered(b, number))
 }
 
 /// The number of an item.
@@ -83,11 +114,11 @@ pub(crate) fn number(item: &Item) -> u32 {
 /// The largest extent of an item along an axis.
 #[inline(always)]
 pub(crate) fn extent(item: &Item) -> f32 {
-    (item[4] - item[0]).max(item[5] - item[1]).max(item[6] - item[2])
+    let [x, y, z] = box_of(item).size();
+    x.max(y).max(z)
 }
 
 #[inline(always)]
 pub(super) fn box_of(item: &Item) -> Box32 {
-    let [a, b, c, d, e, f, g, h] = *item;
-    Box32 { min: Vec4::new(a, b, c, d), max: Vec4::new(e, f, g, h) }
+    Box32(*item)
 }

@@ -9,6 +9,8 @@
 //! Boxes are tested eight at a time, with the best instructions that the processor has ([`Lanes`]).
 
 pub(crate) mod balls;
+#[allow(unsafe_code)]
+mod bins;
 pub(crate) mod build;
 pub(crate) mod item;
 #[allow(unsafe_code)]
@@ -18,7 +20,6 @@ mod ray;
 #[allow(unsafe_code)]
 pub(crate) mod traverse;
 pub(crate) mod triangles;
-mod widen;
 
 use std::ops::Range;
 

@@ -9,7 +9,7 @@ use std::arch::x86_64::{
     _mm256_xor_ps,
 };
 
-use super::{Aim, BallRay, Balls, BoxRay, Entries, Node, Packet, Test, WIDTH};
+use super::{Aim, BallRay, Balls, BoxRay, Entries, Node, Packet, Test, WIDTH, eight};
 
 pub(crate) struct Avx2;
 
@@ -64,6 +64,7 @@ pub(super) unsafe fn spread(ray: &BoxRay) -> Spread {
 
 impl Test for Avx2 {
     type Spread = Spread;
+    type Eight = eight::Register;
 
     #[inline(always)]
     unsafe fn spread(ray: &BoxRay) -> Spread {

@@ -8,12 +8,13 @@ use std::arch::x86_64::{
 };
 
 use super::avx2::{self, Apart, Closer, Ranges, Spread};
-use super::{Aim, BallRay, Balls, BoxRay, Entries, Node, Packet, Test, WIDTH};
+use super::{Aim, BallRay, Balls, BoxRay, Entries, Node, Packet, Test, WIDTH, eight};
 
 pub(crate) struct Avx512;
 
 impl Test for Avx512 {
     type Spread = Spread;
+    type Eight = eight::Register;
 
     #[inline(always)]
     unsafe fn spread(ray: &BoxRay) -> Spread {

@@ -6,6 +6,7 @@
 pub(crate) mod avx2;
 #[cfg(target_arch = "x86_64")]
 pub(crate) mod avx512;
+pub(crate) mod eight;
 pub(crate) mod plain;
 
 use dioptric_math::DVec3;
@@ -110,6 +111,8 @@ pub(crate) type Entries = [f32; WIDTH];
 pub(crate) trait Test {
     /// The ray, spread over the lanes.
     type Spread: Copy;
+    /// Eight numbers side by side.
+    type Eight: eight::Eight;
 
     /// Spreads a ray.
     ///

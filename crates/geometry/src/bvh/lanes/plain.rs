@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Eight boxes or triangles with what the program was compiled for: loops that compilers turn into SSE2 or NEON.
 
-use super::{Aim, BallRay, Balls, BoxRay, Entries, Node, Packet, Test, WIDTH};
+use super::{Aim, BallRay, Balls, BoxRay, Entries, Node, Packet, Test, WIDTH, eight};
 use crate::bvh::balls::BALLS;
 use crate::bvh::triangles::SIDE_BY_SIDE;
 
@@ -9,6 +9,7 @@ pub(crate) struct Plain;
 
 impl Test for Plain {
     type Spread = BoxRay;
+    type Eight = eight::Halves;
 
     #[inline(always)]
     unsafe fn spread(ray: &BoxRay) -> BoxRay {
