@@ -9,7 +9,7 @@ use dioptric_geometry::bvh::Lanes;
 use dioptric_geometry::shapes::cylinder::Cylinder;
 use dioptric_geometry::shapes::plane::Plane;
 use dioptric_geometry::shapes::sphere::Sphere;
-use dioptric_geometry::world::Query;
+use dioptric_geometry::world::{Hit, Query, Rays};
 use dioptric_geometry::{AnyShape, Contacts, Departure, Ray, SurfacePoint, World, WorldBuilder};
 use dioptric_math::random::Random;
 use dioptric_math::{DAffine3, DMat3, DVec3};
@@ -38,8 +38,35 @@ fn compare(name: &str, world: &mut World, queries: &[Query]) -> usize {
             assert_eq!(hits[i], alone[i], "{name} {lanes:?} {i}: {query:?}");
             assert_eq!(blockers[i].is_some(), blocked[i], "{name} {lanes:?} {i}: {query:?}");
         }
+        compare_bundles(world, queries, &hits, &blocked);
     }
     alone.iter().flatten().count()
+}
+
+/// The same for rays that lie side by side, of which not all are wanted.
+fn compare_bundles(world: &World, queries: &[Query], hits: &[Option<Hit>], blocked: &[bool]) {
+    let mut rays = Rays::default();
+    for query in queries {
+        rays.push(query);
+    }
+    let mut found = Vec::new();
+    world.closest_of_rays(&rays, &mut found);
+    for (i, hit) in hits.iter().enumerate() {
+        assert_eq!(found[i / 16].best(i % 16), *hit, "{i}");
+        assert_eq!(rays.bundles()[i / 16].query(i % 16).contacts(), queries[i].contacts());
+    }
+    // All, some and few of each sixteen.
+    for wanted in [u16::MAX, 0b1010_1010_1010_1010, 0b100_0000_0000_0001] {
+        let mut wanted = vec![wanted; rays.bundles().len()];
+        if let Some(last) = wanted.last_mut() {
+            *last &= ((1_u32 << ((queries.len() - 1) % 16 + 1)) - 1) as u16;
+        }
+        world.blockers_of_rays(rays.bundles(), &wanted, &mut found);
+        for (i, blocked) in blocked.iter().enumerate() {
+            let asked = wanted[i / 16] & 1 << (i % 16) != 0;
+            assert_eq!(found[i / 16].hit & 1 << (i % 16) != 0, asked && *blocked, "{i}");
+        }
+    }
 }
 
 /// Rays of all sorts: side by side and criss-cross, those that leave what others hit, some that are none.

@@ -9,6 +9,7 @@
 pub mod bounds;
 mod power;
 pub mod random;
+pub mod wide;
 
 pub use glam::{DAffine3, DMat3, DVec2, DVec3, DVec4, Vec4, Vec4Swizzles};
 pub use libm::{acos, asin, atan, atan2, cbrt, cos, exp, exp2, log2, log10, pow, sin, tan, tanh};

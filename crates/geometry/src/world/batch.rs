@@ -9,157 +9,166 @@
 use std::ops::Range;
 
 use super::query::{block, into, leaving, meet};
+use super::rays::{Bundle, Found, Query, Rays};
 use super::{Hit, Level, Object, World};
 use crate::bvh::Lanes;
 use crate::bvh::packet::rows::{self, LANES, Mask, Rows};
 use crate::bvh::packet::{Packet, PacketLeaves};
-use crate::ray::{Contacts, Departure, HitId, LocalRay, Ray};
+use crate::ray::{HitId, LocalRay};
 
-/// One ray of a batch, with what [`World::closest_past`] takes.
-///
-/// Kept flat: batches are written and copied all the time, and options with odd sizes made that slow.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Query {
-    /// The ray.
-    pub ray: Ray,
-    /// How far it goes, in units of its direction.
-    pub t_max: f64,
-    from: HitId,
-    except: HitId,
-    flags: u32,
-}
-
-const LEAVES: u32 = 1;
-const OUTWARD: u32 = 2;
-const CROSSES: u32 = 4;
-const EXCEPTS: u32 = 8;
-
-impl Query {
-    /// A question to [`World::closest_each`] or [`World::blocker_each`].
-    #[inline]
-    #[must_use]
-    pub fn new(ray: Ray, t_max: f64, departure: Option<Departure>, contacts: Contacts) -> Self {
-        let nobody = HitId { instance: 0, object: 0, part: 0 };
-        let flag = |set: bool, flag: u32| if set { flag } else { 0 };
-        Self {
-            ray,
-            t_max,
-            from: departure.map_or(nobody, |d| d.from),
-            except: contacts.except.unwrap_or(nobody),
-            flags: flag(departure.is_some(), LEAVES)
-                | flag(departure.is_some_and(|d| d.outward), OUTWARD)
-                | flag(contacts.crossed, CROSSES)
-                | flag(contacts.except.is_some(), EXCEPTS),
-        }
-    }
-
-    /// The point that the ray leaves.
-    #[inline]
-    #[must_use]
-    pub fn departure(&self) -> Option<Departure> {
-        let outward = self.flags & OUTWARD != 0;
-        (self.flags & LEAVES != 0).then_some(Departure { from: self.from, outward })
-    }
-
-    /// What becomes of other surfaces at that point.
-    #[inline]
-    #[must_use]
-    pub fn contacts(&self) -> Contacts {
-        let except = (self.flags & EXCEPTS != 0).then_some(self.except);
-        Contacts { crossed: self.flags & CROSSES != 0, except }
-    }
-}
-
-/// Up to sixteen rays and what they have hit so far.
-struct Walk<'a> {
-    queries: &'a [Query],
-    /// Rays that hit something.
-    hit: Mask,
-    /// The best hit, where there is one.
-    ids: [HitId; LANES],
-    /// Its distance; where there is none, how far the ray goes.
-    t: [f64; LANES],
-}
+/// Where more than this many of sixteen rays are wanted, they walk as they stand; fewer are gathered first.
+const DENSE: u32 = 11;
 
 impl World {
     /// [`Self::closest_past`] for each query; `hits` is cleared first.
     pub fn closest_each(&self, queries: &[Query], hits: &mut Vec<Option<Hit>>) {
         hits.clear();
+        let (mut bundle, mut found) = (Bundle::EMPTY, Found::NOTHING);
         for queries in queries.chunks(LANES) {
-            let walk = self.packet::<false>(queries);
-            hits.extend((0..queries.len()).map(|lane| walk.best(lane)));
+            self.walk_queries::<false>(queries, &mut bundle, &mut found);
+            hits.extend((0..queries.len()).map(|lane| found.best(lane)));
         }
     }
 
     /// [`Self::blocker_past`] for each query, though perhaps not the same one; `blockers` is cleared first.
     pub fn blocker_each(&self, queries: &[Query], blockers: &mut Vec<Option<HitId>>) {
         blockers.clear();
+        let (mut bundle, mut found) = (Bundle::EMPTY, Found::NOTHING);
         for queries in queries.chunks(LANES) {
-            let walk = self.packet::<true>(queries);
-            blockers.extend((0..queries.len()).map(|lane| walk.best(lane).map(|hit| hit.id)));
+            self.walk_queries::<true>(queries, &mut bundle, &mut found);
+            blockers.extend((0..queries.len()).map(|lane| found.best(lane).map(|hit| hit.id)));
         }
     }
 
+    fn walk_queries<const ANY: bool>(
+        &self,
+        queries: &[Query],
+        bundle: &mut Bundle,
+        found: &mut Found,
+    ) {
+        for (lane, query) in queries.iter().enumerate() {
+            bundle.set(lane, query);
+        }
+        self.walk_any_lanes::<ANY>(bundle, first(queries.len()), found);
+    }
+
+    /// [`Self::closest_past`] for each of the rays: sixteen answers for each bundle.
+    pub fn closest_of_rays(&self, rays: &Rays, found: &mut Vec<Found>) {
+        found.clear();
+        found.resize(rays.bundles().len(), Found::NOTHING);
+        let mut left = rays.len();
+        for (bundle, found) in rays.bundles().iter().zip(found) {
+            self.walk_any_lanes::<false>(bundle, first(left), found);
+            left = left.saturating_sub(LANES);
+        }
+    }
+
+    /// [`Self::blocker_past`] for the rays whose bits are set, though perhaps not the same one: sixteen answers for each
+    /// bundle.
+    pub fn blockers_of_rays(&self, bundles: &[Bundle], wanted: &[Mask], found: &mut Vec<Found>) {
+        found.clear();
+        found.resize(bundles.len(), Found::NOTHING);
+        let mut few = Few::NONE;
+        for (at, (bundle, &rays)) in bundles.iter().zip(wanted).enumerate() {
+            if rays.count_ones() > DENSE {
+                self.walk_any_lanes::<true>(bundle, rays, &mut found[at]);
+                continue;
+            }
+            let mut rays = rays;
+            while rays != 0 {
+                let lane = rays.trailing_zeros() as usize % LANES;
+                rays &= rays - 1;
+                few.bundle.take(few.count, bundle, lane);
+                few.of[few.count] = (at as u32, lane as u8);
+                few.count += 1;
+                if few.count == LANES {
+                    self.walk_few(&mut few, found);
+                }
+            }
+        }
+        self.walk_few(&mut few, found);
+    }
+
+    /// Walks with rays that were gathered, and hands out what they found.
+    fn walk_few(&self, few: &mut Few, found: &mut [Found]) {
+        if few.count == 0 {
+            return;
+        }
+        self.walk_any_lanes::<true>(&few.bundle, first(few.count), &mut few.found);
+        let mut hit = few.found.hit;
+        while hit != 0 {
+            let from = hit.trailing_zeros() as usize % LANES;
+            hit &= hit - 1;
+            let (at, lane) = few.of[from];
+            if let Some(best) = few.found.best(from) {
+                found[at as usize].keep(usize::from(lane), best);
+            }
+        }
+        few.count = 0;
+    }
+
     /// Finds the nearest hit of each ray, or any within its limit.
-    fn packet<'a, const ANY: bool>(&self, queries: &'a [Query]) -> Walk<'a> {
-        let mut walk = Walk {
-            queries,
-            hit: 0,
-            ids: [HitId { instance: 0, object: 0, part: 0 }; LANES],
-            t: [0.0; LANES],
-        };
+    fn walk_any_lanes<const ANY: bool>(&self, bundle: &Bundle, rays: Mask, found: &mut Found) {
+        found.hit = 0;
+        let mut walk = Walk { bundle, found };
         match self.levels.first().map_or(Lanes::Plain, |level| level.bvh.lanes()) {
             // SAFETY: a tree's lanes are never more than the processor has.
             #[cfg(target_arch = "x86_64")]
-            Lanes::Avx2 => unsafe { self.walk_avx2::<ANY>(&mut walk) },
+            Lanes::Avx2 => unsafe { self.walk_avx2::<ANY>(&mut walk, rays) },
             #[cfg(target_arch = "x86_64")]
-            Lanes::Avx512 => unsafe { self.walk_avx512::<ANY>(&mut walk) },
+            Lanes::Avx512 => unsafe { self.walk_avx512::<ANY>(&mut walk, rays) },
             // SAFETY: that is what everything was compiled for.
-            _ => unsafe { self.walk::<rows::Base, ANY>(&mut walk) },
+            _ => unsafe { self.walk::<rows::Base, ANY>(&mut walk, rays) },
         }
-        walk
     }
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2,fma")]
-    fn walk_avx2<const ANY: bool>(&self, walk: &mut Walk) {
+    fn walk_avx2<const ANY: bool>(&self, walk: &mut Walk, rays: Mask) {
         // SAFETY: the features of this function.
-        unsafe { self.walk::<rows::x86::Avx2, ANY>(walk) }
+        unsafe { self.walk::<rows::x86::Avx2, ANY>(walk, rays) }
     }
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2,fma,avx512f,avx512vl,avx512dq")]
-    fn walk_avx512<const ANY: bool>(&self, walk: &mut Walk) {
+    fn walk_avx512<const ANY: bool>(&self, walk: &mut Walk, rays: Mask) {
         // SAFETY: the features of this function.
-        unsafe { self.walk::<rows::x86::Avx512, ANY>(walk) }
+        unsafe { self.walk::<rows::x86::Avx512, ANY>(walk, rays) }
     }
 
     /// # Safety
     /// The processor has the instruction set of `R`.
     #[inline(always)]
-    unsafe fn walk<R: Rows, const ANY: bool>(&self, walk: &mut Walk) {
+    unsafe fn walk<R: Rows, const ANY: bool>(&self, walk: &mut Walk, rays: Mask) {
+        let bundle = walk.bundle;
+        walk.found.t = bundle.t_max;
         let Some(level) = self.levels.first() else { return };
         let Some(objects) = self.objects.get(level.first..) else { return };
         let mut packet = Packet::empty();
-        let mut usable: Mask = 0;
-        for (lane, query) in walk.queries.iter().enumerate() {
-            let ray = &query.ray;
-            walk.t[lane] = query.t_max;
-            usable |= Mask::from(ray.error >= 0.0 && query.t_max >= 0.0) << lane;
-            packet.set(lane, ray.origin, ray.direction, query.t_max, ray.error, &level.bvh);
+        let b = bundle;
+        packet.fill::<R>(&b.origin, &b.direction, &b.t_max, &b.error, &level.bvh);
+        let mut usable = rays;
+        for lane in 0..LANES {
+            let negative = !(bundle.error[lane] >= 0.0 && bundle.t_max[lane] >= 0.0);
+            usable &= !(Mask::from(negative) << lane);
         }
         let reach = (level.reach.amplify, level.reach.extent);
         let mut together = packet.finish::<R>(&level.bvh, reach) & usable;
-        for (lane, query) in walk.queries.iter().enumerate() {
-            // What is too large or too small for single precision goes alone.
-            if together & 1 << lane == 0 {
-                self.alone::<ANY>(walk, lane, query);
-            }
+        let mut alone = rays & !together;
+        while alone != 0 {
+            // What is too large or too small for single precision.
+            let lane = alone.trailing_zeros() as usize % LANES;
+            alone &= alone - 1;
+            self.alone::<ANY>(walk, lane);
         }
         let unbounded = objects.get(level.bounded..level.bounded + level.unbounded);
         for object in unbounded.unwrap_or_default() {
-            let done = self.test::<ANY>(walk, object, together);
-            together &= !done;
+            let kept = self.test::<ANY>(walk, object, together);
+            if ANY {
+                together &= !kept;
+            } else {
+                walk.shorten(&mut packet, kept);
+            }
         }
         let mut leaves = Objects::<ANY> { world: self, level, objects, walk };
         // SAFETY: the caller answers for the instruction set.
@@ -171,86 +180,126 @@ impl World {
 
     /// Answers a query by a single ray's walk.
     #[cold]
-    fn alone<const ANY: bool>(&self, walk: &mut Walk, lane: usize, query: &Query) {
+    fn alone<const ANY: bool>(&self, walk: &mut Walk, lane: usize) {
+        let query = walk.bundle.query(lane);
         let (departure, contacts) = (query.departure(), query.contacts());
-        let (departure, Query { ray, t_max, .. }) = (departure.as_ref(), query);
+        let (departure, Query { ray, t_max, .. }) = (departure.as_ref(), &query);
         let best = if ANY {
             self.blocker_past(ray, *t_max, departure, contacts).map(|id| Hit { t: 0.0, id })
         } else {
             self.closest_past(ray, *t_max, departure, contacts)
         };
         if let Some(hit) = best {
-            walk.keep(lane, hit);
+            walk.found.keep(lane, hit);
         }
     }
 
-    /// Tests an object for some of the rays; returns those that need no more, which are none where the nearest
-    /// hit is wanted.
+    /// Tests an object for some of the rays; returns those for which it is what they ask for, so far.
     #[inline(never)]
     fn test<const ANY: bool>(&self, walk: &mut Walk, object: &Object, mut rays: Mask) -> Mask {
-        let mut done = 0;
+        let mut kept = 0;
         while rays != 0 {
             let lane = rays.trailing_zeros() as usize % LANES;
             rays &= rays - 1;
-            done |= Mask::from(self.test_one::<ANY>(walk, object, lane)) << lane;
+            kept |= Mask::from(self.test_one::<ANY>(walk, object, lane)) << lane;
         }
-        done
+        kept
     }
 
-    /// Tests an object for one of the rays; whether it needs no more.
+    /// Tests an object for one of the rays; whether it is what that asks for, so far.
     #[inline]
     fn test_one<const ANY: bool>(&self, walk: &mut Walk, object: &Object, lane: usize) -> bool {
-        let Some(query) = walk.queries.get(lane) else { return false };
+        let lane = lane % LANES;
+        let (bundle, t) = (walk.bundle, &walk.found.t);
+        let leave = &bundle.leaves[lane];
         let id = HitId { instance: HitId::NO_INSTANCE, object: object.id, part: 0 };
-        let leaves = query.flags & LEAVES != 0 && query.from.same_object(&id);
+        let ray = bundle.ray(lane);
         let local = LocalRay {
-            origin: query.ray.origin,
-            direction: query.ray.direction,
-            error: query.ray.error,
-            t_max: walk.t[lane],
-            leaving: query.departure().filter(|_| leaves).as_ref().map(leaving),
+            origin: ray.origin,
+            direction: ray.direction,
+            error: ray.error,
+            t_max: t[lane],
+            leaving: leave.departure_from(&id).as_ref().map(leaving),
         };
         let ask = if ANY { block } else { meet };
         let root = match self.transform(object.transform) {
-            None => ask(id.instance, object, &local, query.contacts()),
-            transform => ask(id.instance, object, &into(transform, &local), query.contacts()),
+            None => ask(id.instance, object, &local, leave.contacts()),
+            transform => ask(id.instance, object, &into(transform, &local), leave.contacts()),
         };
         let Some(root) = root else { return false };
         let hit = Hit { t: root.t, id: HitId { part: root.part, ..id } };
-        if ANY {
-            let blocks = hit.t < query.t_max;
-            if blocks {
-                walk.keep(lane, hit);
-            }
-            return blocks;
+        let t_max = bundle.t_max[lane];
+        let keep = if ANY {
+            hit.t < t_max
+        } else {
+            hit.t <= t_max && hit.comes_before(walk.found.best(lane))
+        };
+        if keep {
+            walk.found.keep(lane, hit);
         }
-        if hit.t <= query.t_max && hit.comes_before(walk.best(lane)) {
-            walk.keep(lane, hit);
-        }
-        false
+        keep
     }
 
     /// Lets each ray alone visit the instances.
     #[inline(never)]
-    fn visit_instances_alone<const ANY: bool>(&self, walk: &mut Walk, rays: Mask) {
-        for (lane, query) in walk.queries.iter().enumerate() {
-            let bit = 1 << lane;
-            if rays & bit == 0 || (ANY && walk.hit & bit != 0) {
-                continue;
-            }
+    fn visit_instances_alone<const ANY: bool>(&self, walk: &mut Walk, mut rays: Mask) {
+        if ANY {
+            rays &= !walk.found.hit;
+        }
+        while rays != 0 {
+            let lane = rays.trailing_zeros() as usize % LANES;
+            rays &= rays - 1;
+            let query = walk.bundle.query(lane);
             let departure = query.departure();
             let departure = departure.as_ref();
-            let best = walk.best(lane);
+            let best = walk.found.best(lane);
             let found = if ANY {
                 self.any_instance(&query.ray, query.t_max, departure, query.contacts())
             } else {
-                self.nearest_instance(&query.ray, walk.t[lane], departure, query.contacts())
+                self.nearest_instance(&query.ray, walk.found.t[lane], departure, query.contacts())
             };
             if let Some(hit) = found.filter(|hit| hit.comes_before(best)) {
-                walk.keep(lane, hit);
+                walk.found.keep(lane, hit);
             }
         }
     }
+}
+
+/// Sixteen rays, and what they have hit so far.
+struct Walk<'a> {
+    bundle: &'a Bundle,
+    found: &'a mut Found,
+}
+
+impl Walk<'_> {
+    /// Takes over how far rays still go.
+    #[inline(always)]
+    fn shorten(&self, packet: &mut Packet, mut rays: Mask) {
+        while rays != 0 {
+            let lane = rays.trailing_zeros() as usize % LANES;
+            rays &= rays - 1;
+            packet.shorten(lane, self.found.t[lane]);
+        }
+    }
+}
+
+/// Rays that are gathered from bundles with few of them.
+struct Few {
+    bundle: Bundle,
+    count: usize,
+    /// Where each comes from: the bundle's number, and the lane.
+    of: [(u32, u8); LANES],
+    found: Found,
+}
+
+impl Few {
+    const NONE: Self =
+        Self { bundle: Bundle::EMPTY, count: 0, of: [(0, 0); LANES], found: Found::NOTHING };
+}
+
+/// The first lanes.
+fn first(count: usize) -> Mask {
+    if count < LANES { (1 << count) - 1 } else { Mask::MAX }
 }
 
 /// The objects in the leaves of a level.
@@ -271,16 +320,17 @@ impl<R: Rows, const ANY: bool> PacketLeaves<R> for Objects<'_, '_, '_, ANY> {
             // For all sixteen, which takes less than most exact tests. (The packet's limits may be old.)
             if filter.test::<R>(packet) & 1 << lane != 0
                 && self.world.test_one::<ANY>(self.walk, object, lane)
+                && ANY
             {
                 return None;
             }
         }
-        Some(self.walk.t[lane])
+        Some(self.walk.found.t[lane])
     }
 
     #[inline(always)]
     fn t_max(&self, lane: usize) -> f64 {
-        self.walk.t[lane]
+        self.walk.found.t[lane]
     }
 
     #[inline(always)]
@@ -290,42 +340,14 @@ impl<R: Rows, const ANY: bool> PacketLeaves<R> for Objects<'_, '_, '_, ANY> {
         for (filter, object) in filters.iter().zip(self.objects.get(items).unwrap_or_default()) {
             let rays = filter.test::<R>(packet) & rays & !done;
             if rays != 0 {
-                let before = self.walk.t;
-                done |= self.world.test::<ANY>(self.walk, object, rays);
-                if !ANY {
-                    self.walk.shorten(packet, rays, &before);
+                let kept = self.world.test::<ANY>(self.walk, object, rays);
+                if ANY {
+                    done |= kept;
+                } else {
+                    self.walk.shorten(packet, kept);
                 }
             }
         }
         done
-    }
-}
-
-impl Walk<'_> {
-    /// The best hit of a ray so far.
-    #[inline(always)]
-    fn best(&self, lane: usize) -> Option<Hit> {
-        let lane = lane % LANES;
-        (self.hit & 1 << lane != 0).then(|| Hit { t: self.t[lane], id: self.ids[lane] })
-    }
-
-    #[inline(always)]
-    fn keep(&mut self, lane: usize, hit: Hit) {
-        let lane = lane % LANES;
-        self.hit |= 1 << lane;
-        self.ids[lane] = hit.id;
-        self.t[lane] = hit.t;
-    }
-
-    /// Takes over how far the rays still go.
-    #[inline(always)]
-    fn shorten(&self, packet: &mut Packet, mut rays: Mask, before: &[f64; LANES]) {
-        while rays != 0 {
-            let lane = rays.trailing_zeros() as usize % LANES;
-            rays &= rays - 1;
-            if self.t[lane] != before[lane] {
-                packet.shorten(lane, self.t[lane]);
-            }
-        }
     }
 }

@@ -12,6 +12,7 @@ mod cast;
 mod filter;
 mod passages;
 mod query;
+mod rays;
 
 use dioptric_math::bounds::gamma;
 use dioptric_math::{DAffine3, DVec2, DVec3};
@@ -24,9 +25,9 @@ use crate::shape::SurfacePoint;
 use crate::shapes::AnyShape;
 use crate::transform::Transform;
 
-pub use batch::Query;
 pub use builder::{GroupId, PlacementError, WorldBuilder};
 pub use cast::each;
+pub use rays::{Bundle, Found, Leave, Query, Rays, Sixteen};
 
 /// Marks objects and instances without a transform.
 const NO_TRANSFORM: u32 = u32::MAX;

@@ -1,76 +1,59 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A surface's own colour: ambient light, its own light, and each light's diffuse term and highlight
 //! behind its shadow.
+//!
+//! The points of a round are lit side by side, one light after the other: [`super::lit`] does the sums.
 
-use dioptric_geometry::HitId;
-use dioptric_geometry::world::Query;
-use dioptric_math::{DVec3, Spectrum, normalize, powi, unit_power};
-use serde_json::{Value, json};
+use dioptric_geometry::world::Found;
+use dioptric_math::Spectrum;
+use dioptric_math::wide::wide;
+use serde_json::json;
 
-use super::point::{Leg, Point};
+use super::lit::{AllAdd, AllFall, Between, Fall, LANES, Lit, Power, Row, get, lanes, put};
+use super::point::Leg;
 use super::recorder::Recorder;
+use super::shine::{shine, strength};
+use super::told::{Sum, Told};
 use super::whitted::{Met, Whitted};
-use crate::material::{Highlight, HighlightModel};
 use crate::scene::PlacedLight;
 use crate::setting::render::Shadows;
 
-/// Shadow rays that are cast together.
+/// Shadow rays that are cast together, where a light takes several samples.
 const TOGETHER: usize = 512;
-
-/// What a recorder wants to know of one light at one point.
-#[derive(Default)]
-struct Told {
-    diffuse_unshadowed: Spectrum,
-    highlight_unshadowed: Spectrum,
-    cosine: f64,
-    /// Samples that are not behind the surface.
-    in_front: u32,
-    visibility: Spectrum,
-    blockers: Vec<Blocker>,
-}
-
-/// An object between a point and a light.
-struct Blocker {
-    id: HitId,
-    /// Where the nearest ray meets it.
-    t: f64,
-    /// What it lets pass: the sum over the rays that meet it.
-    passes: Spectrum,
-    rays: u32,
-}
-
-/// What one sample of a light adds to a point if nothing is between.
-struct Task {
-    /// Which of the points.
-    of: usize,
-    share: f64,
-    diffuse: Spectrum,
-    /// The light, already with its share.
-    arriving: Spectrum,
-}
-
-/// One light's two terms at one point, behind its shadow.
-#[derive(Clone, Copy, Default)]
-struct Sum {
-    diffuse: Spectrum,
-    highlight: Spectrum,
-}
 
 /// Memory that lighting uses again.
 #[derive(Default)]
 pub(super) struct Scratch {
-    queries: Vec<Query>,
-    tasks: Vec<Task>,
-    blockers: Vec<Option<HitId>>,
+    lit: Lit,
+    /// The points once for each sample of a light.
+    many: Lit,
+    /// What picks the part of a light, for each of these.
+    parts: Vec<[f64; 2]>,
+    between: Vec<Between>,
+    /// Rays that are cast, and what they find.
+    wanted: Vec<u16>,
+    found: Vec<Found>,
     sums: Vec<Sum>,
     told: Vec<Told>,
+}
+
+/// A light, and how it is asked.
+#[derive(Clone, Copy)]
+pub(super) struct Asked<'a> {
+    pub placed: &'a PlacedLight,
+    /// Which of the lights it is.
+    number: usize,
+    pub samples: u32,
+    /// What multiplies each sample.
+    share: f64,
 }
 
 impl<R: Recorder> Whitted<'_, '_, R> {
     /// Works out the own colours: ambient, emission, and every light.
     pub(super) fn light(&mut self, points: &mut [Met], scratch: &mut Scratch) {
         let scene = self.scene;
-        for met in points.iter_mut().filter(|met| met.wants_own) {
+        scratch.lit.clear();
+        for (i, met) in points.iter_mut().enumerate().filter(|(_, met)| met.wants_own) {
             let (id, finish) = (self.nodes[met.node].id, &met.point.finish);
             let mut sum = scene.ambient * finish.ambient;
             if sum != Spectrum::ZERO {
@@ -83,245 +66,215 @@ impl<R: Recorder> Whitted<'_, '_, R> {
                 self.recorder.term(id, "emission", finish.emission, || (None, json!({})));
             }
             met.own = sum;
-        }
-        for placed in &scene.lights {
-            self.one_light(points, placed, scratch);
-        }
-    }
-
-    /// Adds the mean over the light's samples to each point.
-    fn one_light(&mut self, points: &mut [Met], placed: &PlacedLight, scratch: &mut Scratch) {
-        let n = placed.light.samples().max(1);
-        let share = 1.0 / f64::from(n);
-        scratch.sums.clear();
-        scratch.sums.resize(points.len(), Sum::default());
-        if R::ENABLED {
-            scratch.told.clear();
-            scratch.told.resize_with(points.len(), Told::default);
-        }
-        for of in 0..points.len() {
-            let met = &mut points[of];
-            if !lit(met) {
-                continue;
+            if finish.diffuse != Spectrum::ZERO || finish.highlight.is_some() {
+                scratch.lit.push(met, i);
             }
-            if n > 1 {
-                for u in met.stream.pairs(n) {
-                    light_sample::<R>(met, of, placed, u, share, scratch);
-                }
-            } else if placed.light.is_sharp() {
-                met.stream.skip();
-                light_sample::<R>(met, of, placed, [0.5; 2], 1.0, scratch);
+        }
+        if scratch.lit.rows.is_empty() {
+            return;
+        }
+        for (number, placed) in scene.lights.iter().enumerate() {
+            let samples = placed.light.samples().max(1);
+            let asked = Asked { placed, number, samples, share: 1.0 / f64::from(samples) };
+            if R::ENABLED {
+                scratch.told.clear();
+                scratch.told.resize_with(scratch.lit.rows.len(), Told::default);
+            }
+            if samples == 1 {
+                self.one_sample(points, asked, scratch);
             } else {
-                let u = met.stream.next_2d();
-                light_sample::<R>(met, of, placed, u, 1.0, scratch);
-            }
-            if scratch.tasks.len() >= TOGETHER {
-                self.cast_shadows(points, scratch);
+                self.several_samples(points, asked, scratch);
             }
         }
-        self.cast_shadows(points, scratch);
-        for (of, met) in points.iter_mut().enumerate() {
-            if lit(met) {
-                let sum = scratch.sums[of];
-                met.own += sum.diffuse + sum.highlight;
-                if R::ENABLED {
-                    let id = self.nodes[met.node].id;
-                    self.tell(id, &met.point, placed, n, &sum, &mut scratch.told[of]);
-                }
-            }
+        for (row, of) in scratch.lit.rows.iter().enumerate() {
+            let met = &mut points[of.point as usize];
+            met.own = get(&scratch.lit.blocks[row / LANES].own, row);
+            met.stream = met.stream.ahead(scene.lights.len());
         }
     }
 
-    /// Finds out what of the samples arrives, and adds it.
-    fn cast_shadows(&mut self, points: &[Met], scratch: &mut Scratch) {
+    /// Adds a light that takes one sample.
+    fn one_sample(&mut self, points: &[Met], asked: Asked, scratch: &mut Scratch) {
+        let mut lit = std::mem::take(&mut scratch.lit);
+        scratch.parts.clear();
+        if !asked.placed.light.is_sharp() {
+            let part = |of: &Row| points[of.point as usize].stream.ahead(asked.number).next_2d();
+            scratch.parts.extend(lit.rows.iter().map(part));
+        }
+        self.ask(points, asked, &mut lit, scratch);
+        wide(AllAdd { lit: &mut lit, between: &scratch.between, whole: true });
+        if R::ENABLED {
+            for (row, of) in lit.rows.iter().enumerate() {
+                let [diffuse, highlight] = &lit.blocks[row / LANES].sum;
+                let sum = Sum { diffuse: get(diffuse, row), highlight: get(highlight, row) };
+                self.tell(&points[of.point as usize], asked, &sum, &mut scratch.told[row]);
+            }
+        }
+        scratch.lit = lit;
+    }
+
+    /// Adds the mean over a light's samples.
+    fn several_samples(&mut self, points: &[Met], asked: Asked, scratch: &mut Scratch) {
+        let (mut lit, mut many) =
+            (std::mem::take(&mut scratch.lit), std::mem::take(&mut scratch.many));
+        let mut sums = std::mem::take(&mut scratch.sums);
+        sums.clear();
+        sums.resize(lit.rows.len(), Sum::default());
+        let together = (TOGETHER / asked.samples as usize).max(1);
+        for first in (0..lit.rows.len()).step_by(together) {
+            many.clear();
+            scratch.parts.clear();
+            for row in first..(first + together).min(lit.rows.len()) {
+                let stream = points[lit.rows[row].point as usize].stream;
+                for part in stream.ahead(asked.number).pairs(asked.samples) {
+                    many.push_again(&lit, row);
+                    scratch.parts.push(part);
+                }
+            }
+            self.ask(points, asked, &mut many, scratch);
+            wide(AllAdd { lit: &mut many, between: &scratch.between, whole: false });
+            for (row, of) in many.rows.iter().enumerate() {
+                let [diffuse, highlight] = &many.blocks[row / LANES].sum;
+                let sum = &mut sums[of.told as usize];
+                sum.diffuse += get(diffuse, row);
+                sum.highlight += get(highlight, row);
+            }
+        }
+        for (row, (sum, of)) in sums.iter().zip(&lit.rows).enumerate() {
+            let own = &mut lit.blocks[row / LANES].own;
+            put(own, row, get(own, row) + (sum.diffuse + sum.highlight));
+            if R::ENABLED {
+                self.tell(&points[of.point as usize], asked, sum, &mut scratch.told[row]);
+            }
+        }
+        (scratch.lit, scratch.many, scratch.sums) = (lit, many, sums);
+    }
+
+    /// Asks a light what it sends to the points, and finds out what is between.
+    fn ask(&mut self, points: &[Met], asked: Asked, lit: &mut Lit, scratch: &mut Scratch) {
+        let Scratch { parts, between, wanted, found, told, .. } = scratch;
+        fall(asked, lit, parts, between);
+        if R::ENABLED {
+            for (at, between) in between.iter().enumerate() {
+                for lane in lanes(between.asked) {
+                    let row = lit.rows[at * LANES + lane];
+                    let block = &lit.blocks[at];
+                    let told = &mut told[row.told as usize];
+                    told.cosine += asked.share * block.cosine[lane];
+                    if (between.bright | between.dark) & 1 << lane != 0 {
+                        let point = &points[row.point as usize].point;
+                        let direction = lit.rays.bundles()[at].ray(lane).direction;
+                        told.in_front += 1;
+                        told.diffuse_unshadowed += get(&block.term, lane);
+                        told.highlight_unshadowed +=
+                            shine(point, direction, get(&block.arriving, lane));
+                    }
+                }
+            }
+        }
+        wanted.clear();
+        for (at, between) in between.iter_mut().enumerate() {
+            for lane in lanes(between.dark) {
+                let point = &points[lit.rows[at * LANES + lane].point as usize].point;
+                let direction = lit.rays.bundles()[at].ray(lane).direction;
+                let arriving = get(&lit.blocks[at].arriving, lane);
+                if shine(point, direction, arriving) != Spectrum::ZERO {
+                    between.bright |= 1 << lane;
+                }
+            }
+            wanted.push(between.bright);
+        }
         let scene = self.scene;
-        let Scratch { queries, tasks, blockers, sums, told } = scratch;
         let shadows = scene.settings.shadows;
         if shadows == Shadows::None {
-            blockers.clear();
-            blockers.resize(queries.len(), None);
+            found.clear();
+            found.resize(wanted.len(), Found::NOTHING);
         } else {
-            self.counts.shadow += queries.len() as u64;
-            scene.world.blocker_each(queries, blockers);
+            self.counts.shadow += wanted.iter().map(|w| u64::from(w.count_ones())).sum::<u64>();
+            scene.world.blockers_of_rays(lit.rays.bundles(), wanted, found);
         }
-        for ((query, task), blocker) in queries.iter().zip(tasks.iter()).zip(blockers.iter()) {
-            let visibility = match blocker {
-                None => Spectrum::ONE,
-                Some(id) if shadows == Shadows::Opaque || scene.is_opaque(*id) => Spectrum::ZERO,
-                Some(_) => {
-                    Leg::of(query).map_or(Spectrum::ONE, |leg| scene.tinted(&leg, query.t_max))
+        for (at, (between, found)) in between.iter_mut().zip(&*found).enumerate() {
+            (between.passed, between.tinted) = (between.bright & !found.hit, false);
+            let block = &mut lit.blocks[at];
+            if shadows == Shadows::Tinted {
+                for lane in lanes(found.hit) {
+                    if scene.is_opaque(found.ids[lane]) {
+                        continue;
+                    }
+                    let query = lit.rays.bundles()[at].query(lane);
+                    let visibility = Leg::of(&query)
+                        .map_or(Spectrum::ONE, |leg| scene.tinted(&leg, query.t_max));
+                    if visibility != Spectrum::ZERO {
+                        if !between.tinted {
+                            between.tinted = true;
+                            block.visibility = [[1.0; LANES]; 3];
+                        }
+                        between.passed |= 1 << lane;
+                        put(&mut block.visibility, lane, visibility);
+                    }
                 }
-            };
-            let sum = &mut sums[task.of];
-            if visibility != Spectrum::ZERO {
-                sum.diffuse += task.diffuse * visibility;
-                // Only now: the highlight costs more than all the rest.
-                let point = &points[task.of].point;
-                if point.finish.highlight.is_some() {
-                    let highlight = shine(point, query.ray.direction, task.arriving);
-                    sum.highlight += highlight * visibility;
+            }
+            if block.power == Power::Mixed {
+                // Only now: a highlight costs more than all the rest.
+                block.strength = [0.0; LANES];
+                for lane in lanes(between.passed) {
+                    let point = &points[lit.rows[at * LANES + lane].point as usize].point;
+                    let direction = lit.rays.bundles()[at].ray(lane).direction;
+                    if let Some(h) = &point.finish.highlight {
+                        block.strength[lane] =
+                            strength(h, point.normal, direction, -point.ray.direction);
+                    }
                 }
             }
-            if R::ENABLED {
-                let told = &mut told[task.of];
-                told.visibility += visibility * task.share;
-                self.list_blockers(query, &mut told.blockers);
-            }
         }
-        queries.clear();
-        tasks.clear();
-    }
-
-    /// Notes every object between a point and a light.
-    fn list_blockers(&self, query: &Query, out: &mut Vec<Blocker>) {
-        let opaque = match self.scene.settings.shadows {
-            Shadows::None => return,
-            Shadows::Opaque => true,
-            Shadows::Tinted => false,
-        };
-        let mut met: Vec<Blocker> = Vec::new();
-        let Some(leg) = Leg::of(query) else { return };
-        self.scene.passages(&leg, query.t_max, |hit, factor| {
-            let passes = if opaque { Spectrum::ZERO } else { factor };
-            match met.iter_mut().find(|b| b.id.same_object(&hit.id)) {
-                Some(known) => known.passes *= passes,
-                None => met.push(Blocker { id: hit.id, t: hit.t, passes, rays: 1 }),
-            }
-            true
-        });
-        for new in met {
-            match out.iter_mut().find(|b| b.id.same_object(&new.id)) {
-                Some(known) => {
-                    known.t = known.t.min(new.t);
-                    known.passes += new.passes;
-                    known.rays += 1;
+        if R::ENABLED {
+            for (at, between) in between.iter().enumerate() {
+                for lane in lanes(between.bright) {
+                    let told = &mut told[lit.rows[at * LANES + lane].told as usize];
+                    if between.passed & 1 << lane != 0 {
+                        let visibility = if between.tinted {
+                            get(&lit.blocks[at].visibility, lane)
+                        } else {
+                            Spectrum::ONE
+                        };
+                        told.visibility += visibility * asked.share;
+                    }
+                    let query = lit.rays.bundles()[at].query(lane);
+                    self.list_blockers(&query, &mut told.blockers);
                 }
-                None => out.push(new),
             }
         }
     }
-
-    fn tell(
-        &mut self,
-        id: R::Id,
-        point: &Point,
-        placed: &PlacedLight,
-        samples: u32,
-        sum: &Sum,
-        lit: &mut Told,
-    ) {
-        lit.blockers.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.id.cmp(&b.id)));
-        let scene = self.scene;
-        let blocker = |b: &Blocker| {
-            json!({
-                "object": scene.object_label(b.id),
-                "source": scene.object_source(b.id),
-                "t": b.t,
-                "passes": (b.passes / f64::from(b.rays)).to_array(),
-                "rays": b.rays,
-            })
-        };
-        let blockers: Vec<Value> = lit.blockers.iter().map(blocker).collect();
-        let label = self.scene.description.label(placed.node);
-        let source = self.scene.source(placed.node);
-        let detail = |unshadowed: Spectrum| {
-            json!({
-                "unshadowed": unshadowed.to_array(),
-                "visibility": lit.visibility.to_array(),
-                "cosine": lit.cosine,
-                "samples": samples,
-                "behind": lit.in_front == 0,
-                "blockers": blockers,
-                "light_source": source,
-            })
-        };
-        if point.finish.diffuse != Spectrum::ZERO {
-            self.recorder.term(id, "diffuse", sum.diffuse, || {
-                (Some(label.clone()), detail(lit.diffuse_unshadowed))
-            });
-        }
-        if lit.highlight_unshadowed != Spectrum::ZERO {
-            self.recorder.term(id, "highlight", sum.highlight, || {
-                (Some(label), detail(lit.highlight_unshadowed))
-            });
-        }
-    }
 }
 
-/// Whether a point is lit by lights at all.
-fn lit(met: &Met) -> bool {
-    let finish = &met.point.finish;
-    met.wants_own && (finish.diffuse != Spectrum::ZERO || finish.highlight.is_some())
-}
-
-/// Takes one sample of a light, and asks for the ray to it if it could add something.
-#[inline]
-fn light_sample<R: Recorder>(
-    met: &Met,
-    of: usize,
-    placed: &PlacedLight,
-    u: [f64; 2],
-    share: f64,
-    scratch: &mut Scratch,
-) {
-    let point = &met.point;
-    let Some(light) = placed.light.sample(point.surface.point, u) else { return };
-    let cosine = point.normal.dot(light.direction);
-    if R::ENABLED {
-        scratch.told[of].cosine += share * cosine;
+/// Asks a light what it sends to the points.
+fn fall(asked: Asked, lit: &mut Lit, parts: &[[f64; 2]], between: &mut Vec<Between>) {
+    let Asked { placed, share, .. } = asked;
+    let sharp = placed.light.sharp();
+    between.clear();
+    between.resize(lit.rays.bundles().len(), Between::default());
+    for (at, between) in between.iter_mut().enumerate() {
+        between.asked = lit.lanes(at);
     }
-    // A light behind the surface sends nothing, and no ray is cast; NaN is behind. A bent normal (bumps,
-    // vertex normals) may see a light that the true surface hides.
-    if !(cosine > 0.0 && point.geometric().dot(light.direction) > 0.0) {
-        return;
+    if let Some(light) = sharp {
+        wide(AllFall { lit, light, between });
     }
-    let arriving = light.arriving * share;
-    let diffuse = point.finish.diffuse * arriving * cosine;
-    if R::ENABLED {
-        let told = &mut scratch.told[of];
-        told.in_front += 1;
-        told.diffuse_unshadowed += diffuse;
-        told.highlight_unshadowed += shine(point, light.direction, arriving);
-    }
-    if diffuse == Spectrum::ZERO && shine(point, light.direction, arriving) == Spectrum::ZERO {
-        return;
-    }
-    let mut query = met.shadow;
-    query.ray.direction = light.direction;
-    query.t_max = light.distance;
-    scratch.queries.push(query);
-    scratch.tasks.push(Task { of, share, diffuse, arriving });
-}
-
-/// A light's highlight at a point.
-#[inline]
-fn shine(point: &Point, to_light: DVec3, arriving: Spectrum) -> Spectrum {
-    match &point.finish.highlight {
-        Some(h) => h.color * arriving * strength(h, point.normal, to_light, -point.ray.direction),
-        None => Spectrum::ZERO,
-    }
-}
-
-/// A highlight that is a smaller share of its light is none: nobody could see what its shadow ray costs.
-const FAINTEST: f64 = 1e-9;
-
-/// How strong a highlight is for a normal, the direction to the light and the one to the viewer.
-fn strength(highlight: &Highlight, normal: DVec3, to_light: DVec3, to_viewer: DVec3) -> f64 {
-    let base = match highlight.model {
-        // r . v with r = 2 (n . l) n - l, without making r.
-        HighlightModel::Phong => {
-            2.0 * normal.dot(to_light) * normal.dot(to_viewer) - to_light.dot(to_viewer)
+    for (at, between) in between.iter_mut().enumerate() {
+        if sharp.is_some() && !between.odd {
+            continue;
         }
-        HighlightModel::Blinn => {
-            normalize(to_light + to_viewer).map_or(0.0, |half| half.dot(normal))
+        let (rays, block) = (&mut lit.rays.bundles_mut()[at], &mut lit.blocks[at]);
+        for lane in lanes(between.asked) {
+            let part = parts.get(at * LANES + lane).copied().unwrap_or([0.5; 2]);
+            match placed.light.sample(rays.ray(lane).origin, part) {
+                Some(sample) => {
+                    put(&mut rays.direction, lane, sample.direction);
+                    rays.t_max[lane] = sample.distance;
+                    put(&mut block.arriving, lane, sample.arriving);
+                }
+                None => between.asked &= !(1 << lane),
+            }
         }
-    };
-    let (base, n) = (base.clamp(0.0, 1.0), highlight.exponent);
-    if base == 0.0 && n > 0.0 {
-        return 0.0;
+        wide(Fall { rays, block, share, between });
     }
-    // Most exponents are small whole numbers: squaring is even faster than the power of numbers up to 1.
-    let whole = n.trunc() == n && (0.0..=4096.0).contains(&n);
-    let strength = if whole { powi(base, n as u32) } else { unit_power(base, n) };
-    if strength < FAINTEST { 0.0 } else { strength }
 }

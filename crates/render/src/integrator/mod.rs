@@ -3,6 +3,7 @@
 
 mod dielectric;
 pub mod direct;
+mod lit;
 pub mod media;
 pub mod optics;
 pub mod passage;
@@ -10,6 +11,8 @@ mod point;
 mod record;
 pub mod recorder;
 mod shadow;
+mod shine;
+mod told;
 mod tree;
 pub mod view;
 pub mod whitted;

@@ -82,8 +82,6 @@ pub(super) struct Met<'a> {
     pub own: Spectrum,
     /// The normal of the facet that a mirrored ray meets.
     facet: DVec3,
-    /// A ray to a light in front, but for its direction and length.
-    pub shadow: Query,
 }
 
 impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
@@ -322,8 +320,7 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
             // Glass has nothing of its own to show but highlights, and those on its outside.
             Optics::Dielectric { .. } => point.outside || !solid(),
         };
-        let shadow = point.to_light();
-        Met { point, node, state, stream, wants_own, own: Spectrum::ZERO, facet, shadow }
+        Met { point, node, state, stream, wants_own, own: Spectrum::ZERO, facet }
     }
 
     /// Sends the rays that go on from a point whose own colour is known.

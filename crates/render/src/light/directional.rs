@@ -7,7 +7,7 @@ use dioptric_scene::{Args, Category, Default, Diagnostic, Param, Schema, Type};
 use super::shared::{
     COLOR, INTENSITY, SAMPLES, direction_in_cone, facing_weight, samples, spread_of_sin2, strength,
 };
-use super::{Light, LightSample};
+use super::{Light, LightSample, Sharp};
 use crate::build::Builder;
 use crate::setting::root::Root;
 
@@ -84,6 +84,11 @@ impl Light for Directional {
 
     fn is_sharp(&self) -> bool {
         !(self.spread > 0.0)
+    }
+
+    fn sharp(&self) -> Option<Sharp> {
+        let arriving = self.strength * facing_weight(self.spread);
+        self.is_sharp().then_some(Sharp::Parallel { towards: self.towards, arriving })
     }
 }
 

@@ -15,9 +15,13 @@ pub mod disc;
 mod panel;
 pub mod point;
 mod shared;
+mod sharp;
 pub mod spot;
 #[cfg(test)]
 pub(crate) mod testing;
+
+pub use sharp::Sharp;
+pub(crate) use sharp::Towards;
 
 /// What one light sends to one point, before anything blocks it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,6 +57,11 @@ pub trait Light: Sized {
 
     /// Whether it has no size: [`Self::sample`] is the same for all `u`.
     fn is_sharp(&self) -> bool;
+
+    /// The light as many points ask it at once, if they can.
+    fn sharp(&self) -> Option<Sharp> {
+        None
+    }
 }
 
 macro_rules! registry {
@@ -95,6 +104,12 @@ macro_rules! registry {
             #[must_use]
             pub fn is_sharp(&self) -> bool {
                 match self { $(Self::$variant(l) => l.is_sharp(),)* }
+            }
+
+            /// See [`Light::sharp`].
+            #[must_use]
+            pub fn sharp(&self) -> Option<Sharp> {
+                match self { $(Self::$variant(l) => l.sharp(),)* }
             }
         }
     };

@@ -5,7 +5,7 @@ use dioptric_math::{DVec3, Spectrum};
 use dioptric_scene::{Args, Category, Diagnostic, Param, Schema, Type};
 
 use super::shared::{Ball, COLOR, FALLOFF, INTENSITY, RADIUS, SAMPLES, samples, strength};
-use super::{Light, LightSample};
+use super::{Light, LightSample, Sharp};
 use crate::build::Builder;
 use crate::setting::root::Root;
 
@@ -65,6 +65,11 @@ impl Light for Point {
 
     fn is_sharp(&self) -> bool {
         !(self.ball.radius > 0.0)
+    }
+
+    fn sharp(&self) -> Option<Sharp> {
+        let Ball { center, falloff, radius } = self.ball;
+        (radius == 0.0).then_some(Sharp::Point { center, falloff, strength: self.strength })
     }
 }
 

@@ -56,6 +56,12 @@ impl Stream {
         self.dimension += 1;
     }
 
+    /// This stream after [`Self::skip`] has been called so many times.
+    #[must_use]
+    pub const fn ahead(&self, times: usize) -> Self {
+        Self { dimension: self.dimension + times as u64, ..*self }
+    }
+
     /// The numbers for the second of two ways that part here; the first goes on with this stream.
     #[must_use]
     pub fn forked(&self) -> Self {

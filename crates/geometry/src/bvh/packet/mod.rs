@@ -12,7 +12,6 @@ use std::marker::PhantomData;
 use std::mem::MaybeUninit;
 use std::ops::Range;
 
-use dioptric_math::DVec3;
 use dioptric_math::bounds::gamma;
 
 use self::rows::{LANES, Mask, Row, Rows};
@@ -20,7 +19,7 @@ use super::traverse::{LEFT, Leaves, NoCount, walk_below};
 use super::{BoxRay, Bvh, Child, MAX_DEPTH, WIDTH};
 
 /// Sixteen rays as boxes see them: about the tree's centre, with directions of length 1. Filled by
-/// [`Self::set`] for each ray, then [`Self::finish`].
+/// [`Self::fill`], then [`Self::finish`].
 #[derive(Clone, Debug)]
 pub struct Packet {
     /// Origins.
@@ -70,24 +69,23 @@ impl Packet {
         }
     }
 
-    /// Puts a ray into a lane.
+    /// Takes sixteen rays: origins, directions, how far they go in units of these, and errors of the origins.
     #[inline(always)]
-    pub fn set(
+    pub(crate) fn fill<R: Rows>(
         &mut self,
-        lane: usize,
-        origin: DVec3,
-        direction: DVec3,
-        t_max: f64,
-        error: f64,
+        origin: &[[f64; LANES]; 3],
+        direction: &[[f64; LANES]; 3],
+        t_max: &[f64; LANES],
+        error: &[f64; LANES],
         bvh: &Bvh,
     ) {
-        let relative = origin - bvh.center;
+        let center = bvh.center.to_array();
         for axis in 0..3 {
-            self.origin[axis].0[lane] = relative[axis] as f32;
-            self.direction[axis].0[lane] = direction[axis] as f32;
+            R::narrow(&origin[axis], center[axis]).store(&mut self.origin[axis]);
+            R::narrow(&direction[axis], 0.0).store(&mut self.direction[axis]);
         }
-        self.limit.0[lane] = t_max as f32;
-        self.pad.0[lane] = error as f32;
+        R::narrow(t_max, 0.0).store(&mut self.limit);
+        R::narrow(error, 0.0).store(&mut self.pad);
     }
 
     /// Works out what walks need, for the `(amplify, extent)` of [`crate::world`]'s reach. Returns the rays that

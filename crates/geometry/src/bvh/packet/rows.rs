@@ -40,6 +40,8 @@ pub(crate) trait Rows: Copy {
     fn load(row: &Row) -> Self;
     /// To memory.
     fn store(self, row: &mut Row);
+    /// Numbers less `minus`, rounded to single precision then.
+    fn narrow(numbers: &[f64; LANES], minus: f64) -> Self;
     /// Sums.
     fn add(self, other: Self) -> Self;
     /// Differences.
@@ -111,6 +113,15 @@ impl Rows for Base {
     }
 
     #[inline(always)]
+    fn narrow(numbers: &[f64; LANES], minus: f64) -> Self {
+        let mut row = Row::splat(0.0);
+        for (single, number) in row.0.iter_mut().zip(numbers) {
+            *single = (number - minus) as f32;
+        }
+        Self::load(&row)
+    }
+
+    #[inline(always)]
     fn add(self, other: Self) -> Self {
         self.with(other, |a, b| a + b)
     }
@@ -175,7 +186,7 @@ impl Rows for Base {
 /// them: in functions that enable the same features.
 #[cfg(target_arch = "x86_64")]
 pub mod x86 {
-    use super::{Mask, Row, Rows};
+    use super::{LANES, Mask, Row, Rows};
     use std::arch::x86_64::*;
 
     /// Two registers of eight.
@@ -230,6 +241,19 @@ pub mod x86 {
             unsafe {
                 _mm256_store_ps(p, self.0);
                 _mm256_store_ps(p.add(8), self.1);
+            }
+        }
+
+        #[inline(always)]
+        fn narrow(numbers: &[f64; LANES], minus: f64) -> Self {
+            let p = numbers.as_ptr();
+            unsafe {
+                let minus = _mm256_set1_pd(minus);
+                let a = _mm256_cvtpd_ps(_mm256_sub_pd(_mm256_loadu_pd(p), minus));
+                let b = _mm256_cvtpd_ps(_mm256_sub_pd(_mm256_loadu_pd(p.add(4)), minus));
+                let c = _mm256_cvtpd_ps(_mm256_sub_pd(_mm256_loadu_pd(p.add(8)), minus));
+                let d = _mm256_cvtpd_ps(_mm256_sub_pd(_mm256_loadu_pd(p.add(12)), minus));
+                Self(_mm256_set_m128(b, a), _mm256_set_m128(d, c))
             }
         }
 
@@ -330,6 +354,17 @@ pub mod x86 {
         #[inline(always)]
         fn store(self, row: &mut Row) {
             unsafe { _mm512_store_ps(row.0.as_mut_ptr(), self.0) }
+        }
+
+        #[inline(always)]
+        fn narrow(numbers: &[f64; LANES], minus: f64) -> Self {
+            let p = numbers.as_ptr();
+            unsafe {
+                let minus = _mm512_set1_pd(minus);
+                let a = _mm512_cvtpd_ps(_mm512_sub_pd(_mm512_loadu_pd(p), minus));
+                let b = _mm512_cvtpd_ps(_mm512_sub_pd(_mm512_loadu_pd(p.add(8)), minus));
+                Self(_mm512_insertf32x8::<1>(_mm512_castps256_ps512(a), b))
+            }
         }
 
         #[inline(always)]
