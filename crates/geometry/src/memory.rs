@@ -9,13 +9,6 @@ pub(crate) fn with_capacity<T>(capacity: usize) -> Vec<T> {
     vector
 }
 
-/// Moves a vector to memory that is no larger than it must be, in large pages.
-pub(crate) fn fitted<T>(mut vector: Vec<T>) -> Vec<T> {
-    let mut moved = with_capacity(vector.len());
-    moved.append(&mut vector);
-    moved
-}
-
 /// Below this many bytes there is nothing to gain.
 #[cfg(target_os = "linux")]
 const LARGE: usize = 4 << 20;

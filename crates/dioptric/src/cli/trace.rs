@@ -181,7 +181,7 @@ fn model_world(model: Model) -> World {
             let radius = if r > 0.0 { f64::from(r) } else { f64::NAN };
             Sphere::new(DVec3::from(p.map(f64::from)), radius)
         };
-        let all = model.mesh.positions.iter().zip(&model.radii).map(sphere).collect();
+        let all = model.mesh.positions.par_iter().zip(&model.radii).map(sphere).collect();
         Spheres::new(all).map(|pool| AnyShape::Spheres(Arc::new(pool)))
     } else {
         Some(AnyShape::Mesh(Arc::new(Mesh::new(model.mesh))))

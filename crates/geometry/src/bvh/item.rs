@@ -5,8 +5,10 @@
 //! smaller one of each of eight numbers.
 
 use dioptric_math::DVec3;
+use rayon::prelude::*;
 
 use crate::bounds::Bounds;
+use crate::memory;
 
 /// A box in single precision, about the tree's centre. The fourth and the last number mean nothing.
 #[derive(Clone, Copy, Debug)]
@@ -121,4 +123,44 @@ pub(crate) fn extent(item: &Item) -> f32 {
 #[inline(always)]
 pub(super) fn box_of(item: &Item) -> Box32 {
     Box32(*item)
+}
+
+/// Items that one thread makes in a row. Sums may depend on it, and so it must not depend on the threads.
+const RUN: usize = 1 << 13;
+
+/// Makes items of some of `count` things, side by side in the pool of threads that this is called in. `add` makes the
+/// one of a thing, if any, and adds the thing to the sums of its run, which are returned in order.
+pub(crate) fn make_items<S: Default + Send>(
+    count: usize,
+    add: impl Fn(&mut S, u32) -> Option<Item> + Sync,
+) -> (Vec<Item>, Vec<S>) {
+    // Cleared by the system, where it is looked at.
+    let mut items: Vec<Item> = vec![[0.0; 8]; count];
+    memory::advise(&items);
+    let run = |(index, items): (usize, &mut [Item])| {
+        let (mut sums, mut kept) = (S::default(), 0);
+        let numbers = (index * RUN) as u32..;
+        for number in numbers.take(items.len()) {
+            if let Some(item) = add(&mut sums, number) {
+                items[kept] = item;
+                kept += 1;
+            }
+        }
+        (kept, sums)
+    };
+    let runs: Vec<(usize, S)> = if rayon::current_thread_index().is_some() {
+        items.par_chunks_mut(RUN).enumerate().map(run).collect()
+    } else {
+        items.chunks_mut(RUN).enumerate().map(run).collect()
+    };
+    if runs.iter().map(|(kept, _)| kept).sum::<usize>() < count {
+        let mut end = 0;
+        for (index, (kept, _)) in runs.iter().enumerate() {
+            let start = index * RUN;
+            items.copy_within(start..start + kept, end);
+            end += kept;
+        }
+        items.truncate(end);
+    }
+    (items, runs.into_iter().map(|(_, sums)| sums).collect())
 }

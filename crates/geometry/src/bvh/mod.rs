@@ -24,8 +24,10 @@ pub(crate) mod triangles;
 use std::ops::Range;
 
 use dioptric_math::DVec3;
+use rayon::prelude::*;
 
 use crate::bounds::Bounds;
+use crate::memory;
 
 pub(crate) use build::Costs;
 pub use lanes::Lanes;
@@ -124,17 +126,46 @@ impl Bvh {
         self.center
     }
 
-    /// Puts other items in the leaves: `new` gets the range of each leaf's and returns the index of the first
-    /// new one (below [`Self::MAX_ITEMS`]) and their number (1 to 8).
-    pub(crate) fn map_leaves(&mut self, mut new: impl FnMut(Range<usize>) -> (usize, usize)) {
+    /// Puts packets of up to `block` items in the leaves: `fill` makes the one of a range of items, and says whether the
+    /// index of the leaf's first packet is to be marked with the bits of `mark`. Returns the packets.
+    pub(crate) fn pack_leaves<P: Send>(
+        &mut self,
+        block: usize,
+        mark: usize,
+        fill: impl Fn(Range<usize>) -> (P, bool) + Sync,
+    ) -> Vec<P> {
+        let mut runs: Vec<(u32, u32)> = Vec::with_capacity(WIDTH * self.nodes.len());
+        for child in self.leaves() {
+            let (range, first) = (child.items(), runs.len());
+            for start in range.clone().step_by(block) {
+                runs.push((start as u32, range.end.min(start + block) as u32));
+            }
+            *child = Child::leaf(first, runs.len() - first);
+        }
+        let fill = |&(start, end): &(u32, u32)| fill(start as usize..end as usize);
+        let (mut packets, mut marked) = (memory::with_capacity(runs.len()), Vec::new());
+        if rayon::current_thread_index().is_some() {
+            runs.par_iter().with_min_len(256).map(fill).unzip_into_vecs(&mut packets, &mut marked);
+        } else {
+            (packets, marked) = runs.iter().map(fill).unzip();
+        }
+        if marked.iter().any(|m| *m) {
+            for child in self.leaves() {
+                let packets = child.items();
+                if marked.get(packets.clone()).unwrap_or_default().iter().any(|m| *m) {
+                    *child = Child::leaf(packets.start | mark, packets.len());
+                }
+            }
+        }
+        packets
+    }
+
+    fn leaves(&mut self) -> impl Iterator<Item = &mut Child> {
         let children = self.nodes.iter_mut().flat_map(|node| {
             let missing = node.planes[0].map(|low| low == f32::INFINITY);
             node.children.iter_mut().zip(missing).filter_map(|(c, m)| (!m).then_some(c))
         });
-        for child in children.filter(|child| child.node().is_none()) {
-            let (first, count) = new(child.items());
-            *child = Child::leaf(first, count);
-        }
+        children.filter(|child| child.node().is_none())
     }
 
     /// The largest coordinate of the boxes, about the centre.

@@ -6,21 +6,19 @@
 
 #![allow(unsafe_code)]
 
+mod build;
+
 use std::marker::PhantomData;
 use std::ops::Range;
 
 use dioptric_math::DVec3;
 use dioptric_math::bounds::gamma;
-use rayon::prelude::*;
 
 use crate::bounds::Bounds;
 use crate::bvh::balls::{BALLS, BallRay, Balls};
-use crate::bvh::build::build_items;
-use crate::bvh::item::{Item, item_around, number};
 use crate::bvh::lanes::{Job, Test, apart};
 use crate::bvh::traverse::{Leaves, walk_tree};
-use crate::bvh::{BoxRay, Bvh, Costs, Lanes, NoCount};
-use crate::memory;
+use crate::bvh::{BoxRay, Bvh, Lanes, NoCount};
 use crate::ray::{Leaving, LocalRay};
 use crate::shape::{Crossing, LocalSurface, Root, Shape, SurfacePoint};
 use crate::shapes::cone::Cone;
@@ -33,25 +31,6 @@ pub type Spheres = Pool<Sphere>;
 pub type Cylinders = Pool<Cylinder>;
 /// Many cones. The part is 4 times the index of the cone, plus its own part (0 side, 1 base, 2 top).
 pub type Cones = Pool<Cone>;
-
-/// Balls are tested a packet at a time.
-const BALL_COSTS: Costs = Costs { block: BALLS, visit: 0.4 };
-
-/// Balls around things that follow each other.
-fn packet<S: Pooled>(things: &[S], first: usize, middle: DVec3) -> Balls {
-    let mut balls = Balls::empty(first as u32);
-    for (lane, (center, radius)) in things.iter().filter_map(Pooled::ball).enumerate() {
-        let center = center - middle;
-        balls.centers[0][lane] = center.x as f32;
-        balls.centers[1][lane] = center.y as f32;
-        balls.centers[2][lane] = center.z as f32;
-        balls.radii[lane] = (radius as f32).next_up();
-    }
-    balls
-}
-
-/// Coordinates of things in a pool are smaller.
-const LARGEST: f64 = 1e30;
 
 /// What can be in a pool.
 pub trait Pooled: Shape + Clone + Send + Sync {
@@ -99,64 +78,6 @@ pub struct Pool<S> {
 }
 
 impl<S: Pooled> Pool<S> {
-    /// Builds the tree over some things; those whose boxes are empty or reach beyond 10^30 are left out. `None` where there are more than parts can number (2^32, or 2^30 of those with parts).
-    ///
-    /// Uses the pool of threads that it is called in, if any; the result is the same for any number.
-    #[must_use]
-    pub fn new(given: Vec<S>) -> Option<Self> {
-        if given.len() as u64 > 1 << (32 - S::PART_BITS) {
-            return None;
-        }
-        let mut bounds = Bounds::EMPTY;
-        for b in given.iter().map(Shape::bounds) {
-            let largest = b.min.abs().max(b.max.abs()).max_element();
-            if largest < LARGEST && !b.is_empty() {
-                bounds = bounds.union(b);
-            }
-        }
-        let center = if bounds.is_empty() { DVec3::ZERO } else { bounds.center() };
-        let own_item = |(i, s): (usize, &S)| {
-            let b = s.bounds();
-            let inside = b.union(bounds) == bounds;
-            inside.then(|| item_around(&b, center, i as u32)).flatten()
-        };
-        let boxes: Vec<Item> = if rayon::current_thread_index().is_some() {
-            given.par_iter().enumerate().filter_map(own_item).collect()
-        } else {
-            given.iter().enumerate().filter_map(own_item).collect()
-        };
-        let has_balls = given.first().is_some_and(|s| s.ball().is_some());
-        let costs = if has_balls { BALL_COSTS } else { Costs::SINGLE };
-        let (mut bvh, boxes) = build_items(boxes, center, costs);
-        let index_of: Vec<u32> = boxes.iter().map(number).collect();
-        drop(boxes);
-        let mut place_of = vec![u32::MAX; given.len()];
-        for (&index, place) in index_of.iter().zip(0..) {
-            if let Some(slot) = place_of.get_mut(index as usize) {
-                *slot = place;
-            }
-        }
-        let mut items = memory::with_capacity(index_of.len());
-        items.extend(index_of.iter().filter_map(|&i| given.get(i as usize).cloned()));
-        let mut balls = Vec::new();
-        if has_balls {
-            bvh.map_leaves(|range| {
-                let first = balls.len();
-                for start in range.clone().step_by(BALLS) {
-                    let end = range.end.min(start + BALLS);
-                    balls.push(packet(items.get(start..end).unwrap_or_default(), start, center));
-                }
-                (first, balls.len() - first)
-            });
-        }
-        let largest = if bounds.is_empty() {
-            0.0
-        } else {
-            bounds.min.abs().max(bounds.max.abs()).max_element()
-        };
-        Some(Self { largest, items, index_of, place_of, balls: memory::fitted(balls), bvh, bounds })
-    }
-
     /// Runs the queries on these instructions, or the best below them that there are: for tests.
     #[doc(hidden)]
     pub fn use_lanes(&mut self, lanes: Lanes) {
