@@ -8,11 +8,13 @@ use common::{Place, Specimen};
 use dioptric_geometry::bvh::Lanes;
 use dioptric_geometry::shapes::cylinder::Cylinder;
 use dioptric_geometry::shapes::plane::Plane;
+use dioptric_geometry::shapes::polygon::Polygon;
 use dioptric_geometry::shapes::sphere::Sphere;
+use dioptric_geometry::shapes::triangle::Triangle;
 use dioptric_geometry::world::{Hit, Query, Rays};
 use dioptric_geometry::{AnyShape, Contacts, Departure, Ray, SurfacePoint, World, WorldBuilder};
 use dioptric_math::random::Random;
-use dioptric_math::{DAffine3, DMat3, DVec3};
+use dioptric_math::{DAffine3, DMat3, DVec3, cos, normalize, sin};
 
 fn vector(random: &mut Random, size: f64) -> DVec3 {
     DVec3::from_array([0; 3].map(|_| random.uniform(-size, size)))
@@ -143,22 +145,44 @@ fn one(specimen: &Specimen, random: &mut Random) -> usize {
     compare(specimen.name, &mut world, &queries)
 }
 
+/// Four to ten corners around a point, almost in a plane.
+fn polygon(random: &mut Random, center: DVec3, u: DVec3, corners: usize) -> Polygon {
+    let size = u.length();
+    let v = normalize(u.cross(vector(random, 1.0))).unwrap() * size;
+    let n = normalize(u.cross(v)).unwrap() * size;
+    let count = 4 + corners / 4 % 7;
+    let corner = |i: usize| {
+        let angle = 6.0 * (i as f64 + random.uniform(0.0, 0.8)) / count as f64;
+        let (x, y) = (cos(angle), sin(angle));
+        center + (u * x + v * y) * random.uniform(0.2, 1.0) + n * random.uniform(-5e-5, 5e-5)
+    };
+    Polygon::new([(0..count).map(corner).collect()]).unwrap()
+}
+
 #[test]
 fn crowds_with_transforms_instances_and_planes() {
     for (scale, moved) in [(1.0, 0.0), (1e-6, 0.0), (1e6, 0.0), (1.0, 1e5)] {
         let mut random = Random::new(9);
         let place = |p: DVec3| p * scale + DVec3::splat(moved);
         let mut builder = WorldBuilder::new();
-        for i in 0..400 {
+        for i in 0..400_usize {
             let center = place(vector(&mut random, 4.0));
-            let shape = if i % 2 == 0 {
-                AnyShape::Sphere(Sphere::new(center, scale * random.uniform(0.02, 0.5)))
-            } else {
-                let length = vector(&mut random, scale);
-                let radius = scale * random.uniform(0.01, 0.2);
-                AnyShape::Cylinder(Box::new(Cylinder::new(center, length, radius, false).unwrap()))
+            let length = vector(&mut random, scale);
+            let shape = match i % 4 {
+                0 => AnyShape::Sphere(Sphere::new(center, scale * random.uniform(0.02, 0.5))),
+                1 => {
+                    let radius = scale * random.uniform(0.01, 0.2);
+                    let cylinder = Cylinder::new(center, length, radius, false).unwrap();
+                    AnyShape::Cylinder(Box::new(cylinder))
+                }
+                2 => {
+                    let other = vector(&mut random, scale);
+                    let corners = [center, center + length, center + other];
+                    AnyShape::Triangle(Box::new(Triangle::new(corners).unwrap()))
+                }
+                _ => AnyShape::Polygon(Box::new(polygon(&mut random, center, length, i))),
             };
-            let turn = DMat3::from_rotation_y(0.3 * f64::from(i % 5 / 4));
+            let turn = DMat3::from_rotation_y(0.3 * (i % 5 / 4) as f64);
             builder.object(shape, DAffine3::from_mat3(turn)).unwrap();
         }
         let floor = Plane::new(place(DVec3::new(0.0, -3.0, 0.0)), DVec3::Y).unwrap();

@@ -55,7 +55,7 @@ impl Cylinder {
 
 impl Cylinder {
     /// See [`Frustum::tube`].
-    pub(crate) fn tube(&self) -> (DVec3, DVec3, f64) {
+    pub(crate) fn tube(&self) -> (DVec3, DVec3, f64, f64) {
         self.0.tube()
     }
 }

@@ -281,9 +281,9 @@ impl Frustum {
         }
     }
 
-    /// A point of the axis, its direction, and the radius of the tube around it that holds everything.
-    pub fn tube(&self) -> (DVec3, DVec3, f64) {
-        (self.base, self.axis, self.radius.max(self.top_radius))
+    /// Where the axis begins, its direction and length, and the radius of the tube around it that holds everything.
+    pub fn tube(&self) -> (DVec3, DVec3, f64, f64) {
+        (self.base, self.axis, self.height, self.radius.max(self.top_radius))
     }
 
     /// See [`crate::Shape::surface_point`].

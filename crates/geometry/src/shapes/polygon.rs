@@ -138,6 +138,11 @@ impl Polygon {
         Ok(Self { facet, outline, bounds, uv_min: low, uv_size: high - low, off })
     }
 
+    /// A point and the normal of its plane, the corners of its outline and holes, and how far these lie off the plane.
+    pub(crate) fn flat(&self) -> ((DVec3, DVec3), &[DVec3], f64) {
+        ((self.facet.point, self.facet.normal), self.outline.corners(), self.off)
+    }
+
     /// The exact test of a ray that passes the plane.
     fn is_met(&self, ray: &LocalRay, t: f64) -> bool {
         // Most rays pass the plane far from the outline. Along the plane where they do so is little known (see

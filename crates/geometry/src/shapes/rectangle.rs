@@ -83,6 +83,14 @@ impl Rectangle {
     }
 }
 
+impl Rectangle {
+    /// A point and the normal of its plane, and the corners in turn.
+    pub(crate) fn flat(&self) -> ((DVec3, DVec3), [DVec3; 4]) {
+        let (c, u, v) = (self.corner, self.edge_u, self.edge_v);
+        ((c, self.normal), [c, c + u, c + u + v, c + v])
+    }
+}
+
 impl Described for Rectangle {
     const SCHEMA: &'static Schema = &SCHEMA;
 

@@ -88,6 +88,11 @@ impl Triangle {
         self
     }
 
+    /// A point and the normal of its plane, the corners, and how far these lie off the plane, rounding aside.
+    pub(crate) const fn flat(&self) -> ((DVec3, DVec3), &[DVec3], f64) {
+        ((self.facet.point, self.facet.normal), &self.corners, 0.0)
+    }
+
     /// Whether the line through `origin` along `direction` passes through it, its edges included.
     fn is_passed(&self, origin: DVec3, direction: DVec3) -> bool {
         let shear = Shear::new(origin, direction);

@@ -8,6 +8,7 @@
 
 use std::ops::Range;
 
+use super::filter::Left;
 use super::query::{block, into, leaving, meet};
 use super::rays::{Bundle, Found, Query, Rays};
 use super::{Hit, Level, Object, World};
@@ -170,7 +171,8 @@ impl World {
                 walk.shorten(&mut packet, kept);
             }
         }
-        let mut leaves = Objects::<ANY> { world: self, level, objects, walk };
+        let left = Left::of(bundle.left());
+        let mut leaves = Objects::<ANY> { world: self, level, objects, walk, left };
         // SAFETY: the caller answers for the instruction set.
         unsafe { level.bvh.visit_packet::<R, _>(&mut packet, together, &mut leaves) };
         if !self.instances.is_empty() {
@@ -308,6 +310,7 @@ struct Objects<'a, 'w, 'q, const ANY: bool> {
     level: &'a Level,
     objects: &'a [Object],
     walk: &'w mut Walk<'q>,
+    left: Left,
 }
 
 impl<R: Rows, const ANY: bool> PacketLeaves<R> for Objects<'_, '_, '_, ANY> {
@@ -318,7 +321,7 @@ impl<R: Rows, const ANY: bool> PacketLeaves<R> for Objects<'_, '_, '_, ANY> {
         let filters = self.level.filters.get(items.clone()).unwrap_or_default();
         for (filter, object) in filters.iter().zip(self.objects.get(items).unwrap_or_default()) {
             // For all sixteen, which takes less than most exact tests. (The packet's limits may be old.)
-            if filter.test::<R>(packet) & 1 << lane != 0
+            if (filter.test::<R>(packet) & !self.left.gone::<R>(filter, object.id)) & 1 << lane != 0
                 && self.world.test_one::<ANY>(self.walk, object, lane)
                 && ANY
             {
@@ -338,7 +341,10 @@ impl<R: Rows, const ANY: bool> PacketLeaves<R> for Objects<'_, '_, '_, ANY> {
         let mut done = 0;
         let filters = self.level.filters.get(items.clone()).unwrap_or_default();
         for (filter, object) in filters.iter().zip(self.objects.get(items).unwrap_or_default()) {
-            let rays = filter.test::<R>(packet) & rays & !done;
+            let mut rays = filter.test::<R>(packet) & rays & !done;
+            if rays != 0 {
+                rays &= !self.left.gone::<R>(filter, object.id);
+            }
             if rays != 0 {
                 let kept = self.world.test::<ANY>(self.walk, object, rays);
                 if ANY {

@@ -162,6 +162,15 @@ impl Bundle {
         self.leaves[lane] = other.leaves[from];
     }
 
+    /// The object outside of groups that each ray leaves, and whether outwards.
+    #[inline(always)]
+    pub(super) fn left(&self) -> impl Iterator<Item = Option<(u32, bool)>> {
+        self.leaves.iter().map(|leave| {
+            let at_top = leave.flags & LEAVES != 0 && leave.from.instance == HitId::NO_INSTANCE;
+            at_top.then_some((leave.from.object, leave.flags & OUTWARD != 0))
+        })
+    }
+
     /// A ray.
     #[inline(always)]
     #[must_use]
