@@ -16,7 +16,7 @@ pub(crate) mod item;
 #[allow(unsafe_code)]
 pub(crate) mod lanes;
 pub(crate) mod packet;
-mod ray;
+pub(crate) mod ray;
 #[allow(unsafe_code)]
 pub(crate) mod traverse;
 pub(crate) mod triangles;
@@ -42,7 +42,7 @@ const WIDTH: usize = 8;
 /// Up to eight child boxes and where the children are: four cache lines. A child that is missing has
 /// an inverted box, which no ray enters.
 #[derive(Clone, Copy, Debug)]
-#[repr(C, align(64))]
+#[repr(C, align(256))]
 pub(crate) struct Node {
     /// `planes[2 * axis + side]`, a lane for each child; side 0 is the smaller one.
     planes: [[f32; WIDTH]; 6],

@@ -4,7 +4,7 @@
 //! Slabs after Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013, with its relative factor replaced by
 //! an absolute pad, which also covers hits a little behind the origin.
 
-use dioptric_math::DVec3;
+use dioptric_math::{DVec3, Vec4};
 
 use super::Bvh;
 
@@ -33,7 +33,24 @@ const SMALLEST: f32 = 1e-9;
 /// Covers two roundings.
 const UP: f32 = 1.0 + 3e-7;
 /// Coordinates above this are not looked at: all boxes are entered.
-const LARGEST: f64 = 1e28;
+const LARGEST: f32 = 1e28;
+
+/// A ray in single precision before the boxes' planes are looked at; what filters of the things in the leaves are
+/// made of, too.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Start {
+    pub ray: BoxRay,
+    /// Where it goes, scaled so that the largest component is about 1.
+    pub direction: Vec4,
+    /// 1 over that.
+    pub inverse: Vec4,
+    /// The largest coordinate of the origin, about the tree's centre, rounded up.
+    pub away: f32,
+    /// The axis along which the direction is longest.
+    pub axis: usize,
+    /// Whether single precision is any use.
+    pub usable: bool,
+}
 
 impl BoxRay {
     /// A ray for this tree. All boxes count as larger by `pad` on every side: what the things in the
@@ -41,55 +58,67 @@ impl BoxRay {
     #[inline(always)]
     #[must_use]
     pub fn new(origin: DVec3, direction: DVec3, bvh: &Bvh, pad: f64) -> Self {
-        let scale = direction.abs().max_element();
-        let relative = origin - bvh.center;
-        let reach = relative.abs().max_element() + bvh.extent;
-        // In units of 2^-24 of the reach: the rounding of the scaled direction 1, of its inverse 1, of the
-        // moved origin 1, of its product 1, of the plane's product 1 and of the difference 2, since both
-        // products together may be twice the reach; then the double errors of the products. The last
-        // term counts where f32 has few digits left.
-        let pad = pad + reach * (16.0 / f64::from(1u32 << 24)) + f64::from(f32::MIN_POSITIVE);
-        // False where NaN, too. A ray without use enters all boxes.
-        let usable = reach + pad < LARGEST && scale > 0.0 && scale < f64::INFINITY;
-        if !usable {
-            let negative = [0, 1, 2].map(|axis| usize::from(direction[axis].is_sign_negative()));
-            let inverse = negative.map(|side| 1.0 - 2.0 * side as f32);
-            return Self { near: [f32::MAX; 3], far: [f32::MIN; 3], inverse, negative, scale };
-        }
-        // Nearly always so, and a division less.
-        let (direction, scale) = if scale > 0.5 && scale < 2.0 {
-            (direction, 1.0)
-        } else {
-            // Scales below 1e-308 have no inverse, but the largest number does as well.
-            (direction * (1.0 / scale).min(f64::MAX), scale)
-        };
-        let (x, near_x, far_x) = axis(direction.x, relative.x, pad);
-        let (y, near_y, far_y) = axis(direction.y, relative.y, pad);
-        let (z, near_z, far_z) = axis(direction.z, relative.z, pad);
-        let side = |inverse: f32| (inverse.to_bits() >> 31) as usize;
-        Self {
-            near: [near_x, near_y, near_z],
-            far: [far_x, far_y, far_z],
-            inverse: [x, y, z],
-            negative: [side(x), side(y), side(z)],
-            scale,
-        }
+        Start::new(origin, direction, bvh, pad as f32).ray
     }
+}
 
+impl Start {
+    /// See [`BoxRay::new`]; the pad may be off by a rounding.
+    #[inline(always)]
+    pub fn new(origin: DVec3, direction: DVec3, bvh: &Bvh, pad: f32) -> Self {
+        let relative = single(origin - bvh.center);
+        let away = relative.abs().max_element() * UP;
+        let reach = away + bvh.extent as f32;
+        // In units of 2^-24 of the reach: the rounding of the scaled direction 1, of its inverse 1, of the
+        // origin 1, of moving it 1, of its product 1, of the plane's product 1 and of the difference 2, since
+        // both products together may be twice the reach; the rest for the roundings of the pads. The last
+        // term counts where f32 has few digits left.
+        let pad = pad * UP + reach * (18.0 / (1u32 << 24) as f32) + f32::MIN_POSITIVE;
+        let near_one = single(direction);
+        let size = near_one.abs().max_element();
+        // False where NaN, too. A ray without use enters all boxes.
+        let mut usable = reach + pad < LARGEST;
+        // Nearly always so, and a division less.
+        let (direction, scale) = if size > 0.5 && size < 2.0 {
+            (near_one, 1.0)
+        } else {
+            let scale = direction.abs().max_element();
+            usable &= scale > 0.0 && scale < f64::INFINITY;
+            // Scales below 1e-308 have no inverse, but the largest number does as well.
+            (single(direction * (1.0 / scale).min(f64::MAX)), scale)
+        };
+        let size = direction.abs();
+        let inverse = Vec4::ONE / size.max(Vec4::splat(SMALLEST)).copysign(direction);
+        let step = Vec4::splat(pad).copysign(direction);
+        let ray = if usable {
+            BoxRay {
+                near: ((relative + step) * inverse).truncate().to_array(),
+                far: ((relative - step) * inverse).truncate().to_array(),
+                inverse: inverse.truncate().to_array(),
+                negative: [0, 1, 2].map(|axis| (direction[axis].to_bits() >> 31) as usize),
+                scale,
+            }
+        } else {
+            let negative = [0, 1, 2].map(|axis| (direction[axis].to_bits() >> 31) as usize);
+            let inverse = negative.map(|side| 1.0 - 2.0 * side as f32);
+            BoxRay { near: [f32::MAX; 3], far: [f32::MIN; 3], inverse, negative, scale }
+        };
+        let longest = size.cmpeq(Vec4::splat(size.max_element())).bitmask();
+        let axis = (longest.trailing_zeros() as usize).min(2);
+        Self { ray, direction, inverse, away, axis, usable }
+    }
+}
+
+#[inline(always)]
+fn single(v: DVec3) -> Vec4 {
+    Vec4::new(v.x as f32, v.y as f32, v.z as f32, 0.0)
+}
+
+impl BoxRay {
     /// `t_max` in the scaled direction's units, rounded up.
     #[inline(always)]
     pub(crate) fn limit(&self, t_max: f64) -> f32 {
         // Cheaper than the next number up, and no less.
         (((t_max * self.scale) as f32) * UP + f32::MIN_POSITIVE).min(f32::MAX)
     }
-}
-
-/// The inverse of a component of the scaled direction, and the origin moved both ways by the pad times it.
-#[inline(always)]
-fn axis(direction: f64, origin: f64, pad: f64) -> (f32, f32, f32) {
-    let d = direction as f32;
-    let d = if d.abs() > SMALLEST { d } else { SMALLEST.copysign(d) };
-    let inverse = 1.0 / d;
-    let step = pad.copysign(direction);
-    (inverse, (origin + step) as f32 * inverse, (origin - step) as f32 * inverse)
 }

@@ -86,7 +86,7 @@ impl Bvh {
     ) -> Option<f64> {
         let lanes = if C::COUNTS { Lanes::Plain } else { self.lanes };
         // SAFETY: a tree's `lanes` are never more than the processor has.
-        unsafe { lanes.run(Visit { bvh: self, ray, t_max, counter, leaf: Each(leaf) }) }
+        unsafe { lanes.run(Visit { bvh: self, ray, counter, leaf: Each { leaf, t_max } }) }
     }
 }
 
@@ -101,20 +101,25 @@ pub(crate) trait Leaves<T: Test, C> {
         std::ptr::null()
     }
 
-    /// Gets a range of items and the present `t_max`, returns the new one or `None` to end the walk.
+    /// Gets a range of items and returns how far is still of interest, in the units of [`BoxRay::limit`], or `None`
+    /// to end the walk.
     ///
     /// # Safety
     /// The processor has the instruction set of `T`.
-    unsafe fn visit(&mut self, items: Range<usize>, t_max: f64, counter: &mut C) -> Option<f64>;
+    unsafe fn visit(&mut self, items: Range<usize>, ray: &BoxRay, counter: &mut C) -> Option<f32>;
 }
 
 /// The same function for all instruction sets.
-struct Each<F>(F);
+struct Each<F> {
+    leaf: F,
+    t_max: f64,
+}
 
 impl<T: Test, C, F: FnMut(Range<usize>, f64, &mut C) -> Option<f64>> Leaves<T, C> for Each<F> {
     #[inline(always)]
-    unsafe fn visit(&mut self, items: Range<usize>, t_max: f64, counter: &mut C) -> Option<f64> {
-        (self.0)(items, t_max, counter)
+    unsafe fn visit(&mut self, items: Range<usize>, ray: &BoxRay, counter: &mut C) -> Option<f32> {
+        self.t_max = (self.leaf)(items, self.t_max, counter)?;
+        Some(ray.limit(self.t_max))
     }
 }
 
@@ -122,7 +127,6 @@ impl<T: Test, C, F: FnMut(Range<usize>, f64, &mut C) -> Option<f64>> Leaves<T, C
 struct Visit<'a, C, F> {
     bvh: &'a Bvh,
     ray: &'a BoxRay,
-    t_max: f64,
     counter: &'a mut C,
     leaf: Each<F>,
 }
@@ -133,13 +137,15 @@ impl<C: Counter, F: FnMut(Range<usize>, f64, &mut C) -> Option<f64>> Job for Vis
     #[inline(always)]
     unsafe fn run<T: Test>(mut self) -> Option<f64> {
         // SAFETY: the caller answers for the instruction set.
-        unsafe {
-            walk_tree::<T, C, _>(self.bvh, self.ray, self.t_max, self.counter, &mut self.leaf)
-        }
+        let end = unsafe {
+            let limit = self.ray.limit(self.leaf.t_max);
+            walk_tree::<T, C, _>(self.bvh, self.ray, limit, self.counter, &mut self.leaf)
+        };
+        end.map(|()| self.leaf.t_max)
     }
 }
 
-/// Hands every leaf whose box the ray enters at `t <= t_max` to `leaf`, nearer boxes first.
+/// Hands every leaf whose box the ray enters within `limit` to `leaf`, nearer boxes first; `None` if it ended that.
 ///
 /// # Safety
 /// The processor has the instruction set of `T`.
@@ -147,12 +153,12 @@ impl<C: Counter, F: FnMut(Range<usize>, f64, &mut C) -> Option<f64>> Job for Vis
 pub(crate) unsafe fn walk_tree<T: Test, C: Counter, L: Leaves<T, C>>(
     bvh: &Bvh,
     ray: &BoxRay,
-    t_max: f64,
+    limit: f32,
     counter: &mut C,
     leaf: &mut L,
-) -> Option<f64> {
+) -> Option<()> {
     // SAFETY: the caller answers for the instruction set.
-    unsafe { walk_below(bvh, ray, Child::inner(0), t_max, counter, leaf) }
+    unsafe { walk_below(bvh, ray, Child::inner(0), limit, counter, leaf) }
 }
 
 /// The same for the part of the tree below `from`.
@@ -164,21 +170,25 @@ pub(super) unsafe fn walk_below<T: Test, C: Counter, L: Leaves<T, C>>(
     bvh: &Bvh,
     ray: &BoxRay,
     from: Child,
-    mut t_max: f64,
+    mut limit: f32,
     counter: &mut C,
     leaf: &mut L,
-) -> Option<f64> {
+) -> Option<()> {
     if bvh.nodes.is_empty() {
-        return Some(t_max);
+        return Some(());
     }
     // SAFETY: the caller answers for the instruction set.
     let spread = unsafe { T::spread(ray) };
-    let mut limit = ray.limit(t_max);
-    let mut stack = Stack::new();
+    let mut tasks = Tasks::new();
+    let mut top = 0;
     let mut at = from;
     loop {
         if let Some(index) = at.node() {
-            let node = &bvh.nodes[index];
+            debug_assert!(index < bvh.nodes.len());
+            // SAFETY: children that are nodes are among the tree's.
+            let node = unsafe { bvh.nodes.get_unchecked(index) };
+            // Asked for now, or it would be waited for after the planes.
+            fetch_line(std::ptr::from_ref(&node.children).cast());
             counter.boxes(WIDTH as u32);
             // SAFETY: the caller answers for the instruction set.
             let (near, mut entered) = unsafe { T::enter(node, &spread, limit) };
@@ -206,22 +216,22 @@ pub(super) unsafe fn walk_below<T: Test, C: Counter, L: Leaves<T, C>>(
                 let (mut nearer, mut farther) = (first.min(second), first.max(second));
                 ahead(farther);
                 if entered == 0 {
-                    stack.push(farther);
+                    tasks.push(&mut top, farther);
                     at = nearer.child();
                     continue;
                 }
                 // Three and more: sorted into the stack, the nearest on top; the nearest of all is next.
-                let bottom = stack.top;
-                stack.push(farther);
+                let bottom = top;
+                tasks.push(&mut top, farther);
                 while entered != 0 {
                     let next = task(entered);
                     entered &= entered - 1;
                     (nearer, farther) = (nearer.min(next), nearer.max(next));
                     ahead(farther);
                     if L::ANY {
-                        stack.push(farther);
+                        tasks.push(&mut top, farther);
                     } else {
-                        stack.insert(bottom, farther);
+                        tasks.insert(&mut top, bottom, farther);
                     }
                 }
                 at = nearer.child();
@@ -229,11 +239,10 @@ pub(super) unsafe fn walk_below<T: Test, C: Counter, L: Leaves<T, C>>(
             }
         } else {
             // SAFETY: as above.
-            t_max = unsafe { leaf.visit(at.items(), t_max, counter) }?;
-            limit = ray.limit(t_max);
+            limit = unsafe { leaf.visit(at.items(), ray, counter) }?;
         }
         loop {
-            let Some(task) = stack.pop() else { return Some(t_max) };
+            let Some(task) = tasks.pop(&mut top) else { return Some(()) };
             // Not `<`: another hit at the same t may have a lower id.
             if task.near() <= limit {
                 at = task.child();
@@ -243,49 +252,62 @@ pub(super) unsafe fn walk_below<T: Test, C: Counter, L: Leaves<T, C>>(
     }
 }
 
-/// Room for what the longest way leaves behind. It is not cleared, which would take as long as some walks.
-struct Stack {
-    tasks: [MaybeUninit<Task>; MAX_DEPTH * LEFT],
-    /// The tasks below are set.
-    top: usize,
-}
+/// Room for what the longest way leaves behind. It is not cleared, which would take as long as some walks. How many
+/// are set is a number of its own, so that it can be in a register.
+struct Tasks([MaybeUninit<Task>; MAX_DEPTH * LEFT]);
 
-impl Stack {
+impl Tasks {
     #[inline(always)]
     const fn new() -> Self {
-        Self { tasks: [const { MaybeUninit::uninit() }; MAX_DEPTH * LEFT], top: 0 }
+        Self([const { MaybeUninit::uninit() }; MAX_DEPTH * LEFT])
     }
 
     /// Sets one more.
     #[inline(always)]
-    fn push(&mut self, task: Task) {
-        self.tasks[self.top] = MaybeUninit::new(task);
-        self.top += 1;
+    fn push(&mut self, top: &mut usize, task: Task) {
+        debug_assert!(*top < self.0.len());
+        // SAFETY: no way from the root is longer, and a node leaves no more behind.
+        *unsafe { self.0.get_unchecked_mut(*top) } = MaybeUninit::new(task);
+        *top += 1;
     }
 
     /// Adds one to those above `bottom`, which are sorted, the nearest on top.
     #[inline(always)]
-    fn insert(&mut self, bottom: usize, task: Task) {
-        let mut slot = self.top;
-        self.push(task);
+    fn insert(&mut self, top: &mut usize, bottom: usize, task: Task) {
+        let mut slot = *top;
+        self.push(top, task);
         while slot > bottom {
-            let below = self.tasks[slot - 1];
+            // SAFETY: slots up to `top` are in it.
+            let below = unsafe { *self.0.get_unchecked(slot - 1) };
             // SAFETY: the tasks below `top` are set.
             if unsafe { below.assume_init() } >= task {
                 break;
             }
-            self.tasks[slot] = below;
+            // SAFETY: as above.
+            *unsafe { self.0.get_unchecked_mut(slot) } = below;
             slot -= 1;
         }
-        self.tasks[slot] = MaybeUninit::new(task);
+        // SAFETY: as above.
+        *unsafe { self.0.get_unchecked_mut(slot) } = MaybeUninit::new(task);
     }
 
     #[inline(always)]
-    fn pop(&mut self) -> Option<Task> {
-        self.top = self.top.checked_sub(1)?;
+    fn pop(&mut self, top: &mut usize) -> Option<Task> {
+        *top = top.checked_sub(1)?;
         // SAFETY: the tasks below the former `top` are set.
-        Some(unsafe { self.tasks[self.top].assume_init() })
+        Some(unsafe { self.0.get_unchecked(*top).assume_init() })
     }
+}
+
+#[inline(always)]
+fn fetch_line(address: *const u8) {
+    #[cfg(target_arch = "x86_64")]
+    // SAFETY: fetching ahead touches no memory as the language has it, and any address will do.
+    unsafe {
+        std::arch::x86_64::_mm_prefetch::<{ std::arch::x86_64::_MM_HINT_T0 }>(address.cast());
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = address;
 }
 
 /// Asks for the five cache lines from an address on.

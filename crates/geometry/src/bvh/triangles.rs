@@ -6,17 +6,25 @@
 //!
 //! Let u = 2^-24, R bound the coordinates of corners and origin together, b the distance from the exact origin
 //! within which the caller wants all triangles, and E the shears of a triangle's edges. Corners are exact.
-//! A corner's offset from the rounded origin is off by 2uR, the rounded slope (at most 1) by u, so that a
-//! sheared coordinate is off by at most 2uR + 2uR + uR + uR + 2uR, and the line itself by 2b:
-//! e = 8uR + 2b. The coordinates of a triangle that is passed are at most E + e =: M; each of an edge function's
+//! A corner's offset from the rounded origin is off by 2uR, the slope (at most 1, a product of rounded numbers) by
+//! 4u, so that a sheared coordinate is off by at most 2uR + 2uR + 4uR + uR + 2uR, and the line itself by 2b:
+//! e = 12uR + 2b. The coordinates of a triangle that is passed are at most E + e =: M; each of an edge function's
 //! two products is off by 2Me + e^2, and their roundings add 6uM^2 where uM <= e. Together that is less
 //! than 12eM.
 //!
 //! What is left then gets a second look, with bounds from its own numbers. Let O bound the origin, and X and Z be the
 //! largest coordinates that were worked out across and along the line. The rounded origin is off by uO, an offset
-//! A by uA more, so that a sheared coordinate is off by at most 2uO + u(2X + 4Z) and by 2b: e. An edge
+//! A by uA more, so that a sheared coordinate is off by at most 2uO + u(2X + 7Z) and by 2b: e. An edge
 //! function is off by 4Xe + 2e^2 + 6uX^2 < 8e(X + e), a depth by less than e, and the three products of both together
 //! by 3 times the one by Z, and the sum of the edge functions by e.
+//!
+//! Nearly all that is left then is certain: where all edge functions are at least twice what they may be off by, the
+//! exact ones are at least that, which is more than f64 can be off by, and so the exact test finds a passage; it
+//! finds it at a `t` that lies within the depths of the corners, which are known within e.
+
+use dioptric_math::DVec3;
+
+use super::ray::Start;
 
 /// Triangles of a packet.
 pub(crate) const SIDE_BY_SIDE: usize = 8;
@@ -64,6 +72,26 @@ impl Packet {
     }
 }
 
+/// What single precision tells of a packet's triangles.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sight {
+    /// A bit for each that the line may pass.
+    pub kept: u32,
+    /// And for each of these that it passes for certain, the exact test's rounding included, ahead:
+    pub sure: u32,
+    /// not before these depths
+    pub from: [f32; SIDE_BY_SIDE],
+    /// and not after these.
+    pub to: [f32; SIDE_BY_SIDE],
+}
+
+impl Sight {
+    /// Nothing is told of these triangles.
+    pub const fn unknown(kept: u32) -> Self {
+        Self { kept, sure: 0, from: [0.0; SIDE_BY_SIDE], to: [0.0; SIDE_BY_SIDE] }
+    }
+}
+
 /// A line among triangles in single precision.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Aim {
@@ -81,46 +109,55 @@ pub(crate) struct Aim {
     pub slack: f32,
     /// What a sheared coordinate may be off by for the origin's sake.
     pub error: f32,
+    /// Passages up to this depth are not certain.
+    pub certain: f32,
     /// Whether single precision is any use; else all triangles must be asked.
     pub usable: bool,
 }
 
 impl Aim {
-    /// For how much of X, and of Z, a sheared coordinate may be off besides: 2u and 4u, and a little more.
+    /// For how much of X, and of Z, a sheared coordinate may be off besides: 2u and 7u, and a little more.
     pub const ACROSS: f32 = 1.3e-7;
     /// See [`Self::ACROSS`].
-    pub const ALONG: f32 = 2.6e-7;
+    pub const ALONG: f32 = 4.5e-7;
     /// The 8 of the edge functions, and a little more.
     pub const EDGES: f32 = 8.5;
     /// The 3 of the depths, and a little more.
     pub const DEPTHS: f32 = 3.2;
+    /// For how many errors the depths of a triangle that is passed for certain may be off.
+    pub const ERRORS: f32 = 3.5;
 
-    /// The line through `origin` (in the order of `axes`) with slopes as [`Self::slope`] has
-    /// them. `largest` bounds the coordinates of all corners and `edge` those of all edges of triangles that are
-    /// not large; `near` is as b above.
+    /// The line of a ray that starts at `origin`. Lengths are rounded up: `away` bounds the origin's coordinates,
+    /// `largest` those of all corners and `edge` those of all edges of triangles that are not large; `near` is as b
+    /// above.
     #[inline(always)]
     pub fn new(
-        origin: &[f64; 3],
-        axes: [usize; 3],
-        slope: [f64; 2],
-        forward: bool,
-        (largest, edge, near): (f64, f64, f64),
+        start: &Start,
+        origin: DVec3,
+        away: f32,
+        (largest, edge, near): (f32, f32, f32),
+        certain: f32,
     ) -> Self {
-        let away = origin[0].abs().max(origin[1].abs()).max(origin[2].abs());
+        const AXES: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
+        let axes = AXES[start.axis];
+        let [x, y, z] = axes;
+        let origin = [origin.x as f32, origin.y as f32, origin.z as f32];
+        let (direction, inverse) = (start.direction.to_array(), start.inverse.to_array());
         let reach = largest + away;
-        let error = 8.0 / f64::from(1u32 << 24) * reach + 2.0 * near;
-        let margin = 12.0 * error * (2.0 * edge + error) + f64::from(f32::MIN_POSITIVE);
+        let error = 12.0 / (1u32 << 24) as f32 * reach + 2.0 * near;
+        let margin = 12.0 * error * (2.0 * edge + error) + f32::MIN_POSITIVE;
         Self {
-            origin: [origin[0] as f32, origin[1] as f32, origin[2] as f32],
+            origin: [origin[x], origin[y], origin[z]],
             axes,
-            slope: [slope[0] as f32, slope[1] as f32],
-            forward,
-            // Rounded up, with room for its own roundings.
-            margin: (margin * (1.0 + 1e-6)) as f32,
-            slack: ((error + f64::from(f32::MIN_POSITIVE)) * (1.0 + 1e-6)) as f32,
+            slope: [direction[x] * inverse[z], direction[y] * inverse[z]],
+            forward: inverse[z] > 0.0,
+            // With room for the roundings.
+            margin: margin * (1.0 + 1e-6),
+            slack: (error + f32::MIN_POSITIVE) * (1.0 + 1e-6),
             // Twice what it must be, for the second look's own roundings.
-            error: (4.0 / f64::from(1u32 << 24) * away + 4.0 * near) as f32,
-            usable: reach + error < 1e18,
+            error: 4.0 / (1u32 << 24) as f32 * away + 4.0 * near,
+            certain,
+            usable: start.usable && reach + error < 1e18,
         }
     }
 

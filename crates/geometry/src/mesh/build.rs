@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::closed::Boundary;
 use super::line::{Corners, exact, normal};
-use super::{LARGE, Mesh, corners};
+use super::{LARGE, Mesh, Single, corners};
 use crate::bounds::Bounds;
 use crate::bvh::build::build_items;
 use crate::bvh::item::{Item, extent, item, make_items, number};
@@ -56,7 +56,8 @@ impl Mesh {
     pub(super) fn build(data: MeshData) -> Self {
         let center = center(&data.positions);
         let (items, sums) = items(&data, center);
-        let (mut bvh, items) = build_items(items, DVec3::from(center.map(f64::from)), COSTS);
+        let middle = DVec3::from(center.map(f64::from));
+        let (mut bvh, items) = build_items(items, middle, COSTS);
         let edge = LARGE_SIZE * sums.edges / items.len().max(1) as f64;
         let packets = packets(&data, &mut bvh, &items, edge);
         let tight = sums.tight;
@@ -69,10 +70,9 @@ impl Mesh {
             bvh,
             packets,
             count: items.len(),
-            edge,
             bounds: Bounds { min: tight.min - error, max: tight.max + error },
-            largest,
             error,
+            single: Single::new(largest, edge, error, middle.abs().max_element()),
             closed,
             inverted: closed && sums.volume < 0.0,
         }

@@ -116,12 +116,6 @@ impl Line {
         t.is_finite().then_some(Passage { t, normal })
     }
 
-    /// The depth at `t`, in f32.
-    #[inline(always)]
-    pub fn depth(&self, t: f64) -> f32 {
-        ((t * self.direction[2].abs()) as f32).min(f32::MAX)
-    }
-
     /// How fast the line moves along a normal.
     #[inline(always)]
     pub fn rate(&self, normal: &[f64; 3]) -> f64 {

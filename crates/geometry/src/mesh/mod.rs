@@ -12,6 +12,7 @@ mod query;
 mod surface;
 
 use dioptric_math::DVec3;
+use dioptric_math::bounds::gamma;
 
 use crate::bounds::Bounds;
 use crate::bvh::triangles::Packet;
@@ -34,21 +35,42 @@ use line::Corners;
 pub struct Mesh {
     data: MeshData,
     /// Leaves are ranges of packets; with [`LARGE`] added to the first one's index where some of their
-    /// triangles have edges longer than `edge`.
+    /// triangles are large.
     bvh: Bvh,
     packets: Vec<Packet>,
     /// How many triangles can be hit.
     count: usize,
-    /// The longest edge, along any axis, of triangles that are not large.
-    edge: f64,
     bounds: Bounds,
-    /// The largest coordinate.
-    largest: f64,
     /// Bounds the rounding of all heights and of points on the surface.
     error: f64,
+    single: Single,
     closed: bool,
     /// Whether the winding of a closed mesh makes its inside its front.
     inverted: bool,
+}
+
+/// What filters are made of, in single precision and rounded up.
+#[derive(Clone, Copy, Debug)]
+struct Single {
+    /// The largest coordinate.
+    largest: f32,
+    /// The longest edge, along any axis, of triangles that are not large.
+    edge: f32,
+    /// As [`Mesh::error`].
+    error: f32,
+    /// What hits may lie outside of their boxes for the mesh's own sake.
+    pad: f32,
+    /// The largest coordinate of the tree's centre.
+    center: f32,
+}
+
+impl Single {
+    fn new(largest: f64, edge: f64, error: f64, center: f64) -> Self {
+        let up = |x: f64| (x as f32).next_up();
+        let pad = up(4.0 * error + gamma(64) * center);
+        let center = if center == 0.0 { 0.0 } else { up(center) };
+        Self { largest: up(largest), edge: up(edge), error: up(error), pad, center }
+    }
 }
 
 impl Mesh {

@@ -9,8 +9,9 @@ use dioptric_math::DVec3;
 use super::line::{Corners, Line, exact, nearest, normal};
 use super::{LARGE, Mesh};
 use crate::bvh::lanes::{Job, Test, apart};
+use crate::bvh::ray::Start;
 use crate::bvh::traverse::{Leaves, walk_tree};
-use crate::bvh::triangles::{Aim, SIDE_BY_SIDE};
+use crate::bvh::triangles::{Aim, SIDE_BY_SIDE, Sight};
 use crate::bvh::{BoxRay, NoCount};
 use crate::ray::{Leaving, LocalRay};
 use crate::shape::{Crossing, Root};
@@ -41,14 +42,6 @@ impl Mesh {
     pub(super) fn any(&self, ray: &LocalRay) -> Option<Root> {
         // SAFETY: as above.
         unsafe { self.bvh.lanes().run(Cast::<true> { mesh: self, ray }) }
-    }
-
-    /// The line as the filter of triangles wants it.
-    #[inline(always)]
-    fn aim(&self, line: &Line, error: f64) -> Aim {
-        let near = NEAR * (error + self.error);
-        let forward = line.per_depth > 0.0;
-        Aim::new(&line.origin, line.axes, line.slope, forward, (self.largest, self.edge, near))
     }
 
     /// Where the ray hits one triangle, if it does, as [`crate::Shape`] has the rules; `t_max` is not looked at.
@@ -208,28 +201,107 @@ impl<const ANY: bool> Job for Cast<'_, ANY> {
     unsafe fn run<T: Test>(self) -> Option<Root> {
         let Self { mesh, ray } = self;
         let (origin, direction) = (apart(&ray.origin), apart(&ray.direction));
-        // First what is needed first.
-        let box_ray = BoxRay::new(origin, direction, &mesh.bvh, mesh.pad(origin, ray.error));
-        let line = Line::new(origin, direction);
-        let aim = mesh.aim(&line, ray.error);
+        let single = &mesh.single;
+        let error = ray.error as f32 * UP;
+        // What hits may lie outside of the boxes, and rays beside what they mean; the errors of coordinates that are
+        // as large as the origin's are less than what boxes have room for.
+        let start = Start::new(origin, direction, &mesh.bvh, error + single.pad);
+        let near = NEAR as f32 * (error + single.error);
+        let certain = if ray.leaving.is_none() { 0.0 } else { CONTACT_REACH as f32 * near * UP };
+        let away = start.away + single.center;
+        let aim = Aim::new(&start, origin, away, (single.largest, single.edge, near), certain);
+        let limit = start.ray.limit(ray.t_max);
+        let across = start.direction.abs().max_element();
+        let depth = (limit * (across * UP)).min(f32::MAX);
+        let mut hits = Hits::<T, ANY> {
+            mesh,
+            ray,
+            aim,
+            across,
+            limits: 1.0 / across * (UP * UP),
+            depth,
+            before: depth * LESS - TINY,
+            limit,
+            best: None,
+            t_max: ray.t_max,
+            pending: None,
+            left: ray.leaving.map_or(u32::MAX, |leaving| leaving.part),
+            lanes: PhantomData::<T>,
+        };
         // SAFETY: the caller answers for the instruction set.
         unsafe {
-            let mut hits =
-                Hits::<T, ANY> { mesh, ray, line, aim, best: None, lanes: PhantomData::<T> };
-            walk_tree::<T, _, _>(&mesh.bvh, &box_ray, ray.t_max, &mut NoCount, &mut hits);
-            hits.best
+            walk_tree::<T, _, _>(&mesh.bvh, &start.ray, limit, &mut NoCount, &mut hits);
+        }
+        match hits.pending {
+            Some((packet, lane, _)) => hits.exact(packet, lane).or(hits.best),
+            None => hits.best,
         }
     }
 }
 
+/// Covers roundings to single precision.
+const UP: f32 = 1.0 + 3e-7;
+/// Covers those of [`Hits::depth`] and more.
+const LESS: f32 = 1.0 - 3e-6;
+/// Where single precision has few digits left, nothing is certain.
+const TINY: f32 = 1e-36;
+
 /// What has been found so far.
+///
+/// Nearly all passages are certain in single precision, and so is which of them is the nearest: that one is
+/// confirmed when the walk is over, for only its `t` must be exact. What is left out without being confirmed
+/// lies behind it for certain. All else is confirmed at once.
 struct Hits<'a, T: Test, const ANY: bool> {
     mesh: &'a Mesh,
     ray: &'a LocalRay,
-    line: Line,
     aim: Aim,
+    /// Depths for each unit of the boxes' limit.
+    across: f32,
+    /// And the other way.
+    limits: f32,
+    /// The nearest one that is confirmed, and where it is.
     best: Option<Root>,
+    t_max: f64,
+    /// The nearest one that is certain and to be confirmed: packet, lane, and the depth that it lies before.
+    pending: Option<(usize, usize, f32)>,
+    /// What lies before this depth is nearer than both.
+    before: f32,
+    /// Up to which depth hits are of interest.
+    depth: f32,
+    /// The same for boxes.
+    limit: f32,
+    /// The triangle that the ray leaves.
+    left: u32,
     lanes: PhantomData<T>,
+}
+
+impl<T: Test, const ANY: bool> Hits<'_, T, ANY> {
+    /// Asks one triangle exactly; what it answers if it is the nearest so far.
+    #[inline(always)]
+    fn exact(&self, packet: usize, lane: usize) -> Option<Root> {
+        let packet = self.mesh.packets.get(packet)?;
+        let part = packet.parts[lane];
+        let line = Line::new(self.ray.origin, self.ray.direction);
+        let corners = packet.get(lane, line.axes);
+        let t = self.mesh.meet(self.ray, &line, part, &corners)?;
+        let is_nearest = t < self.t_max
+            || (!ANY && t == self.t_max && self.best.is_none_or(|b| t < b.t || part < b.part));
+        is_nearest.then_some(Root { t, part })
+    }
+
+    /// The same for one that is not certain; whether it is the nearest so far.
+    #[inline(never)]
+    fn confirm(&mut self, packet: usize, lane: usize, ray: &BoxRay) -> bool {
+        let Some(root) = self.exact(packet, lane) else { return false };
+        self.best = Some(root);
+        self.t_max = root.t;
+        let limit = ray.limit(root.t);
+        let depth = (limit * (self.across * UP)).min(f32::MAX);
+        self.before = self.before.min(depth * LESS - TINY);
+        self.depth = self.depth.min(depth);
+        self.limit = self.limit.min(limit);
+        true
+    }
 }
 
 impl<T: Test, const ANY: bool> Leaves<T, NoCount> for Hits<'_, T, ANY> {
@@ -241,41 +313,49 @@ impl<T: Test, const ANY: bool> Leaves<T, NoCount> for Hits<'_, T, ANY> {
     }
 
     #[inline(always)]
-    unsafe fn visit(
-        &mut self,
-        items: Range<usize>,
-        mut t_max: f64,
-        _: &mut NoCount,
-    ) -> Option<f64> {
+    unsafe fn visit(&mut self, items: Range<usize>, ray: &BoxRay, _: &mut NoCount) -> Option<f32> {
         let margin = if items.start & LARGE == 0 { self.aim.margin } else { f32::INFINITY };
         let first = items.start & (LARGE - 1);
-        for packet in self.mesh.packets.get(first..first + items.len()).unwrap_or_default() {
-            let depths = self.aim.depths(self.line.depth(t_max));
-            let kept = if self.aim.usable {
+        for (packet, index) in self
+            .mesh
+            .packets
+            .get(first..first + items.len())
+            .unwrap_or_default()
+            .iter()
+            .zip(first..)
+        {
+            let sight = if self.aim.usable {
                 // SAFETY: the caller answers for the instruction set.
-                unsafe { T::triangles(packet, &self.aim, margin, depths) }
+                unsafe { T::triangles(packet, &self.aim, margin, self.aim.depths(self.depth)) }
             } else {
-                packet.all()
+                Sight::unknown(packet.all())
             };
-            for lane in lanes_of(kept) {
-                let part = packet.parts[lane];
-                let corners = packet.get(lane, self.line.axes);
-                let Some(t) = self.mesh.meet(self.ray, &self.line, part, &corners) else {
-                    continue;
-                };
-                if ANY {
-                    if t < t_max {
-                        self.best = Some(Root { t, part });
-                        return None;
+            for lane in lanes_of(sight.kept) {
+                if sight.sure & 1 << lane != 0 {
+                    let (from, to) = (sight.from[lane], sight.to[lane]);
+                    if packet.parts[lane] == self.left {
+                        continue;
                     }
-                } else if t < t_max
-                    || (t == t_max && self.best.is_none_or(|b| t < b.t || part < b.part))
-                {
-                    self.best = Some(Root { t, part });
-                    t_max = t;
+                    if to < self.before {
+                        self.pending = Some((index, lane, to));
+                        if ANY {
+                            return None;
+                        }
+                        self.before = from;
+                        self.depth = to;
+                        self.limit = self.limit.min(to * self.limits + f32::MIN_POSITIVE);
+                        continue;
+                    }
+                    if self.pending.is_some_and(|(_, _, end)| from > end) {
+                        continue;
+                    }
+                }
+                if self.confirm(index, lane, ray) && ANY {
+                    self.pending = None;
+                    return None;
                 }
             }
         }
-        Some(t_max)
+        Some(self.limit)
     }
 }

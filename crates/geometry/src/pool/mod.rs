@@ -207,10 +207,12 @@ impl<S: Pooled, const ANY: bool> Job for Cast<'_, S, ANY> {
         let relative = origin - pool.bvh.center();
         let ball_ray = BallRay::new(relative, direction, pool.bvh.extent(), pad);
         let scale = direction.abs().max_element();
-        let mut hits =
-            Hits::<S, T, ANY> { pool, ray, ball_ray, scale, best: None, lanes: PhantomData::<T> };
+        let limit = box_ray.limit(ray.t_max);
+        let t_max = ray.t_max;
+        let (best, lanes) = (None, PhantomData::<T>);
+        let mut hits = Hits::<S, T, ANY> { pool, ray, ball_ray, scale, best, t_max, lanes };
         // SAFETY: the caller answers for the instruction set.
-        unsafe { walk_tree::<T, _, _>(&pool.bvh, &box_ray, ray.t_max, &mut NoCount, &mut hits) };
+        unsafe { walk_tree::<T, _, _>(&pool.bvh, &box_ray, limit, &mut NoCount, &mut hits) };
         hits.best
     }
 }
@@ -223,6 +225,7 @@ struct Hits<'a, S, T, const ANY: bool> {
     /// The direction's largest component.
     scale: f64,
     best: Option<Root>,
+    t_max: f64,
     lanes: PhantomData<T>,
 }
 
@@ -259,17 +262,14 @@ impl<S: Pooled, T: Test, const ANY: bool> Leaves<T, NoCount> for Hits<'_, S, T, 
     }
 
     #[inline(always)]
-    unsafe fn visit(
-        &mut self,
-        items: Range<usize>,
-        mut t_max: f64,
-        _: &mut NoCount,
-    ) -> Option<f64> {
+    unsafe fn visit(&mut self, items: Range<usize>, ray: &BoxRay, _: &mut NoCount) -> Option<f32> {
+        let mut t_max = self.t_max;
         if self.pool.balls.is_empty() {
             for place in items {
                 t_max = self.ask(place, t_max)?;
             }
-            return Some(t_max);
+            self.t_max = t_max;
+            return Some(ray.limit(t_max));
         }
         let pool = self.pool;
         for balls in pool.balls.get(items).unwrap_or_default() {
@@ -301,6 +301,7 @@ impl<S: Pooled, T: Test, const ANY: bool> Leaves<T, NoCount> for Hits<'_, S, T, 
                 t_max = self.ask(balls.first as usize + lane, t_max)?;
             }
         }
-        Some(t_max)
+        self.t_max = t_max;
+        Some(ray.limit(t_max))
     }
 }

@@ -2,16 +2,20 @@
 //! Eight boxes or triangles with AVX2 and FMA.
 
 use std::arch::x86_64::{
-    __m256, _CMP_GE_OQ, _CMP_LE_OQ, _CMP_NGT_UQ, _CMP_NLT_UQ, _mm256_add_ps, _mm256_and_ps,
-    _mm256_andnot_ps, _mm256_cmp_ps, _mm256_fmadd_ps, _mm256_fmsub_ps, _mm256_fnmadd_ps,
-    _mm256_load_ps, _mm256_max_ps, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_or_ps,
-    _mm256_set1_ps, _mm256_setzero_ps, _mm256_sqrt_ps, _mm256_storeu_ps, _mm256_sub_ps,
-    _mm256_xor_ps,
+    __m256, __m256i, _CMP_GE_OQ, _CMP_GT_OQ, _CMP_LE_OQ, _CMP_NGT_UQ, _CMP_NLT_UQ, _mm256_add_ps,
+    _mm256_and_ps, _mm256_andnot_ps, _mm256_castps_si256, _mm256_castsi256_ps, _mm256_cmp_ps,
+    _mm256_cmpgt_epi32, _mm256_fmadd_ps, _mm256_fmsub_ps, _mm256_fnmadd_ps, _mm256_load_ps,
+    _mm256_max_epi32, _mm256_max_ps, _mm256_min_epi32, _mm256_min_ps, _mm256_movemask_ps,
+    _mm256_mul_ps, _mm256_or_ps, _mm256_set1_ps, _mm256_setzero_ps, _mm256_setzero_si256,
+    _mm256_sqrt_ps, _mm256_storeu_ps, _mm256_sub_ps, _mm256_xor_ps,
 };
 
-use super::{Aim, BallRay, Balls, BoxRay, Entries, Node, Packet, Test, WIDTH, eight};
+use super::{Aim, BallRay, Balls, BoxRay, Entries, Node, Packet, Sight, Test, WIDTH, eight};
 
 pub(crate) struct Avx2;
+
+/// Bytes of a plane of all boxes.
+const PLANE: usize = 32;
 
 /// A ray, a register for each number.
 #[derive(Clone, Copy)]
@@ -19,8 +23,9 @@ pub(crate) struct Spread {
     near: [__m256; 3],
     far: [__m256; 3],
     inverse: [__m256; 3],
-    /// Which planes are the near ones.
+    /// Where in a node the near planes are, in bytes, and the far ones.
     first: [usize; 3],
+    last: [usize; 3],
 }
 
 /// The distances to the near and the far planes, the latter at most the limit.
@@ -28,22 +33,23 @@ pub(crate) struct Spread {
 /// # Safety
 /// The processor has AVX2 and FMA.
 #[inline(always)]
-pub(super) unsafe fn slabs(node: &Node, ray: &Spread, limit: f32) -> (__m256, __m256) {
+pub(super) unsafe fn slabs(node: &Node, ray: &Spread, limit: f32) -> (__m256i, __m256i) {
     // SAFETY: `first` is 2 * axis or one more, and the other plane of the axis the one of the two that it is not.
     // The caller answers for the instruction set.
     unsafe {
-        let Spread { near, far, inverse, first } = ray;
+        let Spread { near, far, inverse, first, last } = ray;
         let x = slab(node, first[0], inverse[0], near[0]);
         let y = slab(node, first[1], inverse[1], near[1]);
         let z = slab(node, first[2], inverse[2], near[2]);
-        // Second, so that -0 becomes 0.
-        let z = _mm256_max_ps(z, _mm256_setzero_ps());
-        let entry = _mm256_max_ps(_mm256_max_ps(x, y), z);
-        let x = slab(node, first[0] ^ 1, inverse[0], far[0]);
-        let y = slab(node, first[1] ^ 1, inverse[1], far[1]);
-        let z = slab(node, first[2] ^ 1, inverse[2], far[2]);
-        let z = _mm256_min_ps(z, _mm256_set1_ps(limit));
-        (entry, _mm256_min_ps(_mm256_min_ps(x, y), z))
+        // As whole numbers, which is faster: those of positive numbers are in the same order, and all of negative ones
+        // are less.
+        let z = _mm256_max_epi32(z, _mm256_setzero_si256());
+        let entry = _mm256_max_epi32(_mm256_max_epi32(x, y), z);
+        let x = slab(node, last[0], inverse[0], far[0]);
+        let y = slab(node, last[1], inverse[1], far[1]);
+        let z = slab(node, last[2], inverse[2], far[2]);
+        let z = _mm256_min_epi32(z, _mm256_castps_si256(_mm256_set1_ps(limit)));
+        (entry, _mm256_min_epi32(_mm256_min_epi32(x, y), z))
     }
 }
 
@@ -53,11 +59,14 @@ pub(super) unsafe fn slabs(node: &Node, ray: &Spread, limit: f32) -> (__m256, __
 pub(super) unsafe fn spread(ray: &BoxRay) -> Spread {
     // SAFETY: the caller answers for the instruction set.
     unsafe {
+        let [x, y, z] = ray.negative;
+        let first = [PLANE * (x & 1), PLANE * (2 | y & 1), PLANE * (4 | z & 1)];
         Spread {
             near: all(ray.near),
             far: all(ray.far),
             inverse: all(ray.inverse),
-            first: [ray.negative[0] & 1, 2 | (ray.negative[1] & 1), 4 | (ray.negative[2] & 1)],
+            first,
+            last: [first[0] ^ PLANE, first[1] ^ PLANE, first[2] ^ PLANE],
         }
     }
 }
@@ -77,15 +86,15 @@ impl Test for Avx2 {
         // SAFETY: the caller answers for the instruction set; the array has the size of a register.
         unsafe {
             let (near, far) = slabs(node, ray, limit);
-            let entered = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(near, far));
+            let missed = _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpgt_epi32(near, far)));
             let mut entries = [0.0; WIDTH];
-            _mm256_storeu_ps(entries.as_mut_ptr(), near);
-            (entries, entered as u32)
+            _mm256_storeu_ps(entries.as_mut_ptr(), _mm256_castsi256_ps(near));
+            (entries, missed as u32 ^ 255)
         }
     }
 
     #[inline(always)]
-    unsafe fn triangles(packet: &Packet, aim: &Aim, margin: f32, depths: [f32; 2]) -> u32 {
+    unsafe fn triangles(packet: &Packet, aim: &Aim, margin: f32, depths: [f32; 2]) -> Sight {
         // SAFETY: the caller answers for the instruction set.
         unsafe {
             let seen = see(packet, aim);
@@ -97,10 +106,12 @@ impl Test for Avx2 {
             let within = _mm256_or_ps(positive, negative);
             let kept =
                 _mm256_movemask_ps(_mm256_and_ps(within, _mm256_and_ps(starts, ends))) as u32;
+            let mut sight = Sight::unknown(0);
             if kept == 0 {
-                return 0;
+                return sight;
             }
-            let Closer { margin, depth, slack } = seen.closer(aim, low, high);
+            let closer = seen.closer(aim, low, high);
+            let Closer { margin, depth, slack, .. } = closer;
             let minus = _mm256_sub_ps(_mm256_setzero_ps(), margin);
             let positive = _mm256_cmp_ps::<_CMP_GE_OQ>(least, minus);
             let negative = _mm256_cmp_ps::<_CMP_LE_OQ>(most, margin);
@@ -110,7 +121,18 @@ impl Test for Avx2 {
             let behind = _mm256_cmp_ps::<_CMP_NGT_UQ>(depth, slack);
             let within =
                 _mm256_or_ps(_mm256_and_ps(positive, ahead), _mm256_and_ps(negative, behind));
-            kept & _mm256_movemask_ps(within) as u32
+            sight.kept = kept & _mm256_movemask_ps(within) as u32;
+            let passed = closer.passed(aim, low, high);
+            _mm256_storeu_ps(sight.from.as_mut_ptr(), passed.from);
+            _mm256_storeu_ps(sight.to.as_mut_ptr(), passed.to);
+            let (twice, minus) = (passed.twice, _mm256_sub_ps(_mm256_setzero_ps(), passed.twice));
+            let within = _mm256_or_ps(
+                _mm256_cmp_ps::<_CMP_GE_OQ>(least, twice),
+                _mm256_cmp_ps::<_CMP_LE_OQ>(most, minus),
+            );
+            let ahead = _mm256_cmp_ps::<_CMP_GT_OQ>(passed.from, _mm256_set1_ps(aim.certain));
+            sight.sure = sight.kept & _mm256_movemask_ps(_mm256_and_ps(within, ahead)) as u32;
+            sight
         }
     }
 
@@ -209,6 +231,39 @@ pub(super) struct Closer {
     pub depth: __m256,
     /// What that may be off by.
     pub slack: __m256,
+    /// What a sheared coordinate may be off by.
+    error: __m256,
+}
+
+/// Where triangles are passed, if they are for certain.
+pub(super) struct Passed {
+    pub from: __m256,
+    pub to: __m256,
+    /// How large the edge functions must be.
+    pub twice: __m256,
+}
+
+impl Closer {
+    /// # Safety
+    /// The processor has AVX2 and FMA.
+    #[inline(always)]
+    pub(super) unsafe fn passed(&self, aim: &Aim, low: __m256, high: __m256) -> Passed {
+        // SAFETY: the caller answers for the instruction set.
+        unsafe {
+            let off = _mm256_mul_ps(_mm256_set1_ps(Aim::ERRORS), self.error);
+            let zero = _mm256_setzero_ps();
+            let (low, high) = if aim.forward {
+                (low, high)
+            } else {
+                (_mm256_sub_ps(zero, high), _mm256_sub_ps(zero, low))
+            };
+            Passed {
+                from: _mm256_sub_ps(low, off),
+                to: _mm256_add_ps(high, off),
+                twice: _mm256_add_ps(self.margin, self.margin),
+            }
+        }
+    }
 }
 
 /// # Safety
@@ -271,7 +326,7 @@ impl Seen {
                 _mm256_fmadd_ps(sum, error, _mm256_set1_ps(f32::MIN_POSITIVE)),
             );
             let sign = _mm256_set1_ps(if aim.forward { 0.0 } else { -0.0 });
-            Closer { margin, depth: _mm256_xor_ps(depth, sign), slack }
+            Closer { margin, depth: _mm256_xor_ps(depth, sign), slack, error }
         }
     }
 }
@@ -334,12 +389,12 @@ unsafe fn offset(rows: &[[f32; WIDTH]; 3], aim: &Aim, axis: usize) -> __m256 {
 /// # Safety
 /// The processor has AVX2 and FMA; `plane` is one of six.
 #[inline(always)]
-unsafe fn slab(node: &Node, plane: usize, inverse: __m256, origin: __m256) -> __m256 {
+unsafe fn slab(node: &Node, plane: usize, inverse: __m256, origin: __m256) -> __m256i {
     // SAFETY: the caller answers for the plane and the instruction set; nodes are aligned to 64 bytes and a
     // plane has 32.
     unsafe {
-        let plane = node.planes.get_unchecked(plane);
-        _mm256_fmsub_ps(_mm256_load_ps(plane.as_ptr()), inverse, origin)
+        let plane = std::ptr::from_ref(node).cast::<u8>().add(plane).cast();
+        _mm256_castps_si256(_mm256_fmsub_ps(_mm256_load_ps(plane), inverse, origin))
     }
 }
 

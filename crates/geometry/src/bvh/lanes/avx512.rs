@@ -2,13 +2,13 @@
 //! Eight boxes or triangles with AVX-512: masks in registers of their own, and more room for the ray.
 
 use std::arch::x86_64::{
-    _CMP_GE_OQ, _CMP_LE_OQ, _CMP_NGT_UQ, _CMP_NLT_UQ, _mm256_add_ps, _mm256_cmp_ps_mask,
-    _mm256_mask_cmp_ps_mask, _mm256_mul_ps, _mm256_set1_ps, _mm256_setzero_ps, _mm256_storeu_ps,
-    _mm256_sub_ps,
+    _CMP_GE_OQ, _CMP_GT_OQ, _CMP_LE_OQ, _CMP_NGT_UQ, _CMP_NLT_UQ, _mm256_add_ps,
+    _mm256_castsi256_ps, _mm256_cmp_ps_mask, _mm256_cmple_epi32_mask, _mm256_mask_cmp_ps_mask,
+    _mm256_mul_ps, _mm256_set1_ps, _mm256_setzero_ps, _mm256_storeu_ps, _mm256_sub_ps,
 };
 
 use super::avx2::{self, Apart, Closer, Ranges, Spread};
-use super::{Aim, BallRay, Balls, BoxRay, Entries, Node, Packet, Test, WIDTH, eight};
+use super::{Aim, BallRay, Balls, BoxRay, Entries, Node, Packet, Sight, Test, WIDTH, eight};
 
 pub(crate) struct Avx512;
 
@@ -27,15 +27,15 @@ impl Test for Avx512 {
         // SAFETY: as above; the array has the size of a register.
         unsafe {
             let (near, far) = avx2::slabs(node, ray, limit);
-            let entered = _mm256_cmp_ps_mask::<_CMP_LE_OQ>(near, far);
+            let entered = _mm256_cmple_epi32_mask(near, far);
             let mut entries = [0.0; WIDTH];
-            _mm256_storeu_ps(entries.as_mut_ptr(), near);
+            _mm256_storeu_ps(entries.as_mut_ptr(), _mm256_castsi256_ps(near));
             (entries, u32::from(entered))
         }
     }
 
     #[inline(always)]
-    unsafe fn triangles(packet: &Packet, aim: &Aim, margin: f32, depths: [f32; 2]) -> u32 {
+    unsafe fn triangles(packet: &Packet, aim: &Aim, margin: f32, depths: [f32; 2]) -> Sight {
         // SAFETY: as above.
         unsafe {
             let seen = avx2::see(packet, aim);
@@ -47,10 +47,12 @@ impl Test for Avx512 {
                 _mm256_mask_cmp_ps_mask::<_CMP_LE_OQ>(within, low, _mm256_set1_ps(depths[0]));
             let kept =
                 _mm256_mask_cmp_ps_mask::<_CMP_GE_OQ>(starts, high, _mm256_set1_ps(depths[1]));
+            let mut sight = Sight::unknown(0);
             if kept == 0 {
-                return 0;
+                return sight;
             }
-            let Closer { margin, depth, slack } = seen.closer(aim, low, high);
+            let closer = seen.closer(aim, low, high);
+            let Closer { margin, depth, slack, .. } = closer;
             let minus = _mm256_sub_ps(_mm256_setzero_ps(), margin);
             let positive = _mm256_mask_cmp_ps_mask::<_CMP_GE_OQ>(kept, least, minus);
             let negative = _mm256_mask_cmp_ps_mask::<_CMP_LE_OQ>(kept, most, margin);
@@ -58,7 +60,18 @@ impl Test for Avx512 {
             // Not `>=`: NaN is no reason to reject.
             let ahead = _mm256_mask_cmp_ps_mask::<_CMP_NLT_UQ>(positive, depth, minus);
             let behind = _mm256_mask_cmp_ps_mask::<_CMP_NGT_UQ>(negative, depth, slack);
-            u32::from(ahead | behind)
+            let kept = ahead | behind;
+            sight.kept = u32::from(kept);
+            let passed = closer.passed(aim, low, high);
+            _mm256_storeu_ps(sight.from.as_mut_ptr(), passed.from);
+            _mm256_storeu_ps(sight.to.as_mut_ptr(), passed.to);
+            let minus = _mm256_sub_ps(_mm256_setzero_ps(), passed.twice);
+            let within = _mm256_cmp_ps_mask::<_CMP_GE_OQ>(least, passed.twice)
+                | _mm256_cmp_ps_mask::<_CMP_LE_OQ>(most, minus);
+            let certain = _mm256_set1_ps(aim.certain);
+            let sure = _mm256_mask_cmp_ps_mask::<_CMP_GT_OQ>(kept & within, passed.from, certain);
+            sight.sure = u32::from(sure);
+            sight
         }
     }
 

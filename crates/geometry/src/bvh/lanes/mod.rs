@@ -12,7 +12,7 @@ pub(crate) mod plain;
 use dioptric_math::DVec3;
 
 use super::balls::{BallRay, Balls};
-use super::triangles::{Aim, Packet};
+use super::triangles::{Aim, Packet, Sight};
 use super::{BoxRay, Node, WIDTH};
 
 /// Instruction sets that the queries know, worst first.
@@ -126,11 +126,11 @@ pub(crate) trait Test {
     /// The processor has the instruction set.
     unsafe fn enter(node: &Node, ray: &Self::Spread, limit: f32) -> (Entries, u32);
 
-    /// A bit for each triangle that the line may pass, with depths within those of `depths`.
+    /// Which triangles the line may pass, with depths within those of `depths`.
     ///
     /// # Safety
     /// The processor has the instruction set.
-    unsafe fn triangles(packet: &Packet, aim: &Aim, margin: f32, depths: [f32; 2]) -> u32;
+    unsafe fn triangles(packet: &Packet, aim: &Aim, margin: f32, depths: [f32; 2]) -> Sight;
 
     /// Where the ray enters balls at the earliest, in units of its scaled direction, and a bit for each that it may
     /// hit at `limit` or before.

@@ -3,7 +3,7 @@
 
 use super::{Aim, BallRay, Balls, BoxRay, Entries, Node, Packet, Test, WIDTH, eight};
 use crate::bvh::balls::BALLS;
-use crate::bvh::triangles::SIDE_BY_SIDE;
+use crate::bvh::triangles::{SIDE_BY_SIDE, Sight};
 
 pub(crate) struct Plain;
 
@@ -39,7 +39,7 @@ impl Test for Plain {
     }
 
     #[inline(always)]
-    unsafe fn triangles(packet: &Packet, aim: &Aim, margin: f32, depths: [f32; 2]) -> u32 {
+    unsafe fn triangles(packet: &Packet, aim: &Aim, margin: f32, depths: [f32; 2]) -> Sight {
         let [x, y, z] = aim.axes;
         let mut seen = [[[0.0_f32; SIDE_BY_SIDE]; 3]; 3];
         for (seen, corner) in seen.iter_mut().zip(&packet.corners) {
@@ -51,7 +51,7 @@ impl Test for Plain {
             }
         }
         let [a, b, c] = &seen;
-        let mut kept = 0;
+        let mut sight = Sight::unknown(0);
         for lane in 0..SIDE_BY_SIDE {
             let u = c[0][lane] * b[1][lane] - c[1][lane] * b[0][lane];
             let v = a[0][lane] * c[1][lane] - a[1][lane] * c[0][lane];
@@ -61,10 +61,11 @@ impl Test for Plain {
             let [i, j, k] = [a[2][lane], b[2][lane], c[2][lane]];
             let starts = i <= depths[0] || j <= depths[0] || k <= depths[0];
             let ends = i >= depths[1] || j >= depths[1] || k >= depths[1];
-            kept |=
-                u32::from(within && starts && ends && closer(aim, [u, v, w], &seen, lane)) << lane;
+            if within && starts && ends {
+                closer(aim, [u, v, w], &seen, lane, &mut sight);
+            }
         }
-        kept
+        sight
     }
 
     #[inline(always)]
@@ -96,12 +97,15 @@ fn closer(
     [u, v, w]: [f32; 3],
     seen: &[[[f32; SIDE_BY_SIDE]; 3]; 3],
     lane: usize,
-) -> bool {
-    let (mut across, mut along) = (0.0_f32, 0.0_f32);
+    sight: &mut Sight,
+) {
+    let mut across = 0.0_f32;
+    let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
     for [x, y, z] in seen {
         across = across.max(x[lane].abs()).max(y[lane].abs());
-        along = along.max(z[lane].abs());
+        (low, high) = (low.min(z[lane]), high.max(z[lane]));
     }
+    let along = high.max(-low);
     let error = Aim::ACROSS * across + Aim::ALONG * along + aim.error;
     let margin = Aim::EDGES * error * (across + error) + f32::MIN_POSITIVE;
     let depth = u * seen[0][2][lane] + v * seen[1][2][lane] + w * seen[2][2][lane];
@@ -111,5 +115,16 @@ fn closer(
     let positive = u >= -margin && v >= -margin && w >= -margin;
     let negative = u <= margin && v <= margin && w <= margin;
     // Not `>=`: NaN is no reason to reject.
-    (positive && !(depth < -slack)) || (negative && !(depth > slack))
+    let kept = (positive && !(depth < -slack)) || (negative && !(depth > slack));
+    if !kept {
+        return;
+    }
+    sight.kept |= 1 << lane;
+    let twice = margin + margin;
+    let sure =
+        (u >= twice && v >= twice && w >= twice) || (u <= -twice && v <= -twice && w <= -twice);
+    let off = Aim::ERRORS * error;
+    let (low, high) = if aim.forward { (low, high) } else { (-high, -low) };
+    (sight.from[lane], sight.to[lane]) = (low - off, high + off);
+    sight.sure |= u32::from(sure && low - off > aim.certain) << lane;
 }

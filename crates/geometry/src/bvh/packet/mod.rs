@@ -316,11 +316,11 @@ impl Bvh {
         leaves: &mut L,
     ) -> bool {
         let ray = packet.one(lane);
-        let t_max = leaves.t_max(lane);
+        let limit = ray.limit(leaves.t_max(lane));
         let mut alone = Alone { leaves, lane, packet, rows: PhantomData::<R> };
         // SAFETY: the caller answers for the instruction set.
         let end = unsafe {
-            walk_below::<R::One, _, _>(self, &ray, from, t_max, &mut NoCount, &mut alone)
+            walk_below::<R::One, _, _>(self, &ray, from, limit, &mut NoCount, &mut alone)
         };
         end.is_none()
     }
@@ -382,7 +382,8 @@ impl<R: Rows, L: PacketLeaves<R>> Leaves<R::One, NoCount> for Alone<'_, L, R> {
     const ANY: bool = L::ANY;
 
     #[inline(always)]
-    unsafe fn visit(&mut self, items: Range<usize>, _: f64, _: &mut NoCount) -> Option<f64> {
-        self.leaves.leaf_alone(items, self.lane, self.packet)
+    unsafe fn visit(&mut self, items: Range<usize>, ray: &BoxRay, _: &mut NoCount) -> Option<f32> {
+        let t_max = self.leaves.leaf_alone(items, self.lane, self.packet)?;
+        Some(ray.limit(t_max))
     }
 }
