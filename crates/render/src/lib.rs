@@ -11,6 +11,7 @@
 
 #![forbid(unsafe_code)]
 
+pub mod bsdf;
 pub mod build;
 mod bulk;
 pub mod bump;
@@ -29,6 +30,7 @@ pub mod region;
 pub mod sampling;
 pub mod scene;
 pub mod setting;
+pub mod source;
 pub mod stats;
 pub mod texture;
 pub mod vocabulary;

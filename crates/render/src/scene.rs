@@ -24,6 +24,7 @@ use crate::setting::fog::Fog;
 use crate::setting::medium::Surroundings;
 use crate::setting::render::RenderSettings;
 use crate::setting::root::Root;
+use crate::source::Sources;
 
 /// What the scene knows of one object of the world.
 #[derive(Clone, Copy, Debug)]
@@ -86,6 +87,8 @@ pub struct Scene {
     pub instances: Vec<NodeId>,
     /// All lights, in the order of the file.
     pub lights: Vec<PlacedLight>,
+    /// Where paths look for light; empty for other integrators.
+    pub sources: Sources,
     /// Light that comes from everywhere.
     pub ambient: Spectrum,
     /// What is seen where nothing is hit.

@@ -36,7 +36,7 @@ pub struct PictureOptions {
     /// Half the filter's width in pixels.
     #[arg(long, value_name = "R")]
     filter_radius: Option<f64>,
-    /// What is shown: whitted, eyelight, normals, depth, uv, object, material, cost or rays.
+    /// What is shown: whitted, path, eyelight, normals, depth, uv, object, material, cost or rays.
     #[arg(long, value_name = "NAME")]
     integrator: Option<String>,
     /// At most so many reflections and passes, one after the other.
@@ -45,6 +45,9 @@ pub struct PictureOptions {
     /// Rays that can change a pixel by less are not followed.
     #[arg(long, value_name = "SHARE")]
     min_contribution: Option<f64>,
+    /// With path: cuts indirect light off at this radiance (biased).
+    #[arg(long, value_name = "RADIANCE")]
+    clamp: Option<f64>,
     /// What blocks light: opaque, tinted or none.
     #[arg(long, value_name = "KIND")]
     shadows: Option<String>,
@@ -128,6 +131,7 @@ impl PictureOptions {
             ("integrator", text(&self.integrator)),
             ("bounces", number(self.bounces.map(f64::from))),
             ("min_contribution", number(self.min_contribution)),
+            ("clamp", number(self.clamp)),
             ("shadows", text(&self.shadows)),
             ("seed", number(self.seed.map(|n| n as f64))),
         ];

@@ -20,7 +20,7 @@ use super::why_text;
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  dioptric why scenes/space.star 400,520\n  \
     dioptric why scenes/space.star 400,520 --depth 1\n  \
-    dioptric why scenes/space.star 0,0,80,80 --size 80x80 --json -o pixels.jsonl\n\n\
+    dioptric why scenes/space.star 400,520 --integrator path --sample 3\n  dioptric why scenes/space.star 0,0,80,80 --size 80x80 --json -o pixels.jsonl\n\n\
     All options of render are taken; those that change the picture change the explanation, too. --crop \
     does not: X,Y counts from the top left of the full picture. render --grid draws these coordinates.")]
 pub struct WhyArgs {
@@ -35,9 +35,12 @@ pub struct WhyArgs {
     /// Folds rays below this depth to their values; 0 keeps only the camera's.
     #[arg(long, value_name = "N", default_value_t = usize::MAX, hide_default_value = true)]
     depth: usize,
-    /// Shows the tree of every sample, not one of each way that the rays take.
+    /// Shows the tree of every sample, not one of each way that the rays take; of paths not the brightest only.
     #[arg(long)]
     all: bool,
+    /// Shows this sample alone, counted from 1.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), conflicts_with = "all")]
+    sample: Option<u64>,
     /// Writes to a file.
     #[arg(short, long, value_name = "FILE", default_value = "-", hide_default_value = true)]
     output: String,
@@ -118,9 +121,16 @@ fn explain(
         swatch: color.then_some(&show as &dyn Fn([f64; 3]) -> [u8; 3]),
         depth: args.depth,
         all: args.all,
+        sample: args.sample.map(|n| n as usize),
     };
     for [x, y] in region.pixels() {
         let Some(pixel) = why::explain(scene, x, y) else { continue };
+        if let Some(n) = args.sample.filter(|&n| n > pixel.samples.len() as u64) {
+            return Err(Failure::usage(
+                format!("there is no sample {n} of pixel {x},{y}"),
+                format!("it has {} samples", pixel.samples.len()),
+            ));
+        }
         let json = serde_json::to_value(&pixel).map_err(|e| Failure::File {
             message: format!("cannot write pixel {x},{y} as JSON: {e}"),
             help: "please report this".into(),

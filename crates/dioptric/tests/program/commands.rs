@@ -17,7 +17,7 @@ fn wrong_usage_is_status_2_with_the_remedy() {
             "raise the limit with --max-pixels",
         ),
         (&["render", "a.star", "--antialias", "sobel"], "did you mean \"sobol\"?"),
-        (&["render", "a.star", "--integrator", "path"], "--integrator: expected one of"),
+        (&["render", "a.star", "--integrator", "paths"], "--integrator: expected one of"),
         (&["render", "a.star", "--samples", "0"], "--samples: expected a whole number from 1"),
         (&["render", "a.star", "--threads", "0"], "0 is not in 1.."),
         (&["render", "a.star", "--set", "fog"], "write NAME=VALUE"),

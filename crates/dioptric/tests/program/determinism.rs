@@ -8,6 +8,8 @@ fn scenes() -> Vec<(String, Vec<&'static str>)> {
     vec![
         ("scenes/space.star".into(), vec!["--size", "80x80"]),
         (scene("materials.star"), vec![]),
+        (scene("materials.star"), vec!["--integrator", "path", "--size", "40x32"]),
+        (scene("lights.star"), vec!["--integrator", "path", "--size", "40x32"]),
         (scene("lights.star"), vec![]),
         (scene("shapes.star"), vec![]),
     ]

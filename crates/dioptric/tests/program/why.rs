@@ -135,6 +135,15 @@ fn all_ways_of_sampling_add_up() {
 }
 
 #[test]
+fn paths_add_up() {
+    let options =
+        ["--size", "16x12", "--integrator", "path", "--antialias", "sobol", "--samples", "4"];
+    for scene in [scene("materials.star"), scene("lights.star"), scene("shapes.star")] {
+        check(&scene, &options);
+    }
+}
+
+#[test]
 fn all_views_add_up() {
     let materials = scene("materials.star");
     for view in ["eyelight", "normals", "depth", "uv", "object", "material", "cost", "rays"] {

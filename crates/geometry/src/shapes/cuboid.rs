@@ -50,6 +50,12 @@ impl Cuboid {
         Self { min, max }
     }
 
+    /// The corners with the smallest and with the largest coordinates.
+    #[must_use]
+    pub const fn corners(&self) -> [DVec3; 2] {
+        [self.min, self.max]
+    }
+
     fn chord(&self, ray: &LocalRay) -> Chord {
         let mut chord = Chord::LINE;
         for axis in 0..3 {

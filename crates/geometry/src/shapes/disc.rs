@@ -55,6 +55,24 @@ impl Disc {
         Some(Self { center, normal: normalize(normal)?, radius, inner_radius })
     }
 
+    /// The middle.
+    #[must_use]
+    pub const fn center(&self) -> DVec3 {
+        self.center
+    }
+
+    /// The unit vector that it faces.
+    #[must_use]
+    pub const fn normal(&self) -> DVec3 {
+        self.normal
+    }
+
+    /// The radius of the hole, 0 for none, and that of the rim.
+    #[must_use]
+    pub const fn radii(&self) -> [f64; 2] {
+        [self.inner_radius, self.radius]
+    }
+
     fn error(&self) -> f64 {
         gamma(12) * (self.center.abs().max_element() + self.radius)
     }

@@ -81,6 +81,12 @@ impl Rectangle {
             error,
         })
     }
+
+    /// The corner where u and v are 0, and the edges along u and v.
+    #[must_use]
+    pub const fn corner_and_edges(&self) -> (DVec3, [DVec3; 2]) {
+        (self.corner, [self.edge_u, self.edge_v])
+    }
 }
 
 impl Rectangle {

@@ -80,6 +80,12 @@ impl Tetrahedron {
         Some(Self { faces, bounds, error })
     }
 
+    /// The corners of each face, counterclockwise as seen from outside.
+    #[must_use]
+    pub fn faces(&self) -> [[DVec3; 3]; 4] {
+        self.faces.map(|face| face.corners)
+    }
+
     fn chord(&self, ray: &LocalRay, left: Option<u32>) -> Chord {
         let mut chord = Chord::LINE;
         for (face, part) in self.faces.iter().zip(0..) {

@@ -93,6 +93,12 @@ impl Triangle {
         ((self.facet.point, self.facet.normal), &self.corners, 0.0)
     }
 
+    /// Its corners.
+    #[must_use]
+    pub const fn corners(&self) -> [DVec3; 3] {
+        self.corners
+    }
+
     /// Whether the line through `origin` along `direction` passes through it, its edges included.
     fn is_passed(&self, origin: DVec3, direction: DVec3) -> bool {
         let shear = Shear::new(origin, direction);

@@ -188,6 +188,13 @@ impl World {
         self.object(object).map(|o| &o.shape)
     }
 
+    /// Whether an object belongs to a group, whose instances show it: no hit of it is without an instance.
+    #[must_use]
+    pub fn is_in_group(&self, object: u32) -> bool {
+        let first = self.levels.get(1).map_or(usize::MAX, |level| level.first);
+        self.place_of.get(object as usize).is_some_and(|&place| place as usize >= first)
+    }
+
     /// The matrix from an object's own space to the space of rays; `None` where the hit is not of this
     /// world.
     #[must_use]

@@ -17,7 +17,8 @@ use crate::scene::{PlacedLight, Scene};
 use crate::setting::background::Background;
 use crate::setting::develop;
 use crate::setting::medium::Surroundings;
-use crate::setting::render::{MAX_PIXELS, RenderSettings};
+use crate::setting::render::{Integrator, MAX_PIXELS, RenderSettings};
+use crate::source::Sources;
 
 /// What a program may ask of a scene beyond its text.
 #[derive(Clone, Debug)]
@@ -102,6 +103,7 @@ pub fn compile(
         leaf_materials: placed.leaf_materials,
         instances: placed.instances,
         lights,
+        sources: Sources::default(),
         ambient,
         background,
         fog,
@@ -113,6 +115,9 @@ pub fn compile(
         develop,
     };
     scene.around_camera = immersion::around_camera(&scene);
+    if scene.settings.integrator == Integrator::Path {
+        scene.sources = Sources::new(&scene);
+    }
     Ok((scene, Vec::new()))
 }
 

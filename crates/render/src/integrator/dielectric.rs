@@ -4,9 +4,8 @@
 use dioptric_math::Spectrum;
 use serde_json::json;
 
-use super::media::{Inside, Medium};
+use super::media::Medium;
 use super::optics::fresnel;
-use super::point::Point;
 use super::recorder::{RayKind, Recorder};
 use super::whitted::{Met, Whitted, facet_for};
 
@@ -16,13 +15,6 @@ pub(super) struct Dielectric {
     pub reflect: Spectrum,
     pub transmit: Spectrum,
     pub roughness: f64,
-}
-
-/// The two sides of an interface: indices of refraction and what is around the rays there.
-struct Sides {
-    ior: [f64; 2],
-    near: Inside,
-    far: Inside,
 }
 
 impl<R: Recorder> Whitted<'_, '_, R> {
@@ -36,7 +28,7 @@ impl<R: Recorder> Whitted<'_, '_, R> {
         // Light of its own (highlights) and tints are met on the outside; a pane has two outsides.
         let outside = point.outside || !solid;
         self.nodes[met.node].own = met.own;
-        let sides = self.sides(point, medium, inside, solid);
+        let sides = self.media.sides(inside, medium, point.outside, solid);
         let eta = sides.ior[0] / sides.ior[1];
         let d = point.ray.direction;
         let through = if solid { point.refracted(facet, eta) } else { Some(d) };
@@ -65,25 +57,5 @@ impl<R: Recorder> Whitted<'_, '_, R> {
             let leg = point.on(direction);
             self.follow(met, 1, RayKind::Transmitted, leg, weight, sides.far);
         }
-    }
-
-    fn sides(&mut self, point: &Point, medium: &Medium, inside: Inside, solid: bool) -> Sides {
-        let object = &medium.object;
-        if !solid {
-            // A pane without thickness: it mirrors, and what goes through goes straight on.
-            return Sides { ior: [self.media.ior(inside), medium.ior], near: inside, far: inside };
-        }
-        let outer = self.media.leave(inside, object);
-        if point.outside {
-            let far = self.media.enter(outer, *medium);
-            return Sides { ior: [self.media.ior(outer), medium.ior], near: outer, far };
-        }
-        // An object that the ray is not known to have entered is left all the same.
-        let near = if self.media.contains(inside, object) {
-            inside
-        } else {
-            self.media.enter(inside, *medium)
-        };
-        Sides { ior: [self.media.ior(near), self.media.ior(outer)], near, far: outer }
     }
 }

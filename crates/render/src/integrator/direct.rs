@@ -12,7 +12,7 @@ use serde_json::json;
 use super::lit::{AllAdd, AllFall, Between, Fall, LANES, Lit, Power, Row, get, lanes, put};
 use super::point::Leg;
 use super::recorder::Recorder;
-use super::shine::{shine, strength};
+use super::shine::shine;
 use super::told::{Sum, Told};
 use super::whitted::{Met, Whitted};
 use crate::scene::PlacedLight;
@@ -222,7 +222,7 @@ impl<R: Recorder> Whitted<'_, '_, R> {
                     let direction = lit.rays.bundles()[at].ray(lane).direction;
                     if let Some(h) = &point.finish.highlight {
                         block.strength[lane] =
-                            strength(h, point.normal, direction, -point.ray.direction);
+                            h.strength(point.normal, direction, -point.ray.direction);
                     }
                 }
             }

@@ -8,10 +8,9 @@ use dioptric_geometry::world::{Bundle, Rays, Sixteen};
 use dioptric_math::wide::Kernel;
 use dioptric_math::{DVec3, Spectrum};
 
-use super::shine::{FAINTEST, whole};
 use super::whitted::Met;
 use crate::light::{Sharp, Towards};
-use crate::material::HighlightModel;
+use crate::material::{FAINTEST, HighlightModel, whole};
 
 /// Points in a block.
 pub(super) const LANES: usize = Bundle::LANES;
@@ -374,7 +373,6 @@ impl Kernel for AllAdd<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::integrator::shine::strength;
     use crate::material::Highlight;
     use dioptric_math::normalize;
     use dioptric_math::random::Random;
@@ -412,8 +410,9 @@ mod tests {
                 let term = get(&block.diffuse, lane) * arriving * normal.dot(to_light);
                 assert_eq!((get(&block.arriving, lane), get(&block.term, lane)), (arriving, term));
                 let model = HighlightModel::Phong;
-                let highlight = Highlight { model, color, exponent: f64::from(exponent) };
-                let strength = strength(&highlight, normal, to_light, viewer);
+                let highlight =
+                    Highlight { model, color, exponent: f64::from(exponent), image: false };
+                let strength = highlight.strength(normal, to_light, viewer);
                 assert_eq!(block.strength[lane].to_bits(), strength.to_bits(), "{exponent}");
                 let front = normal.dot(to_light) > 0.0 && geometric.dot(to_light) > 0.0;
                 let bits = if lane == 5 { &mut expected.1 } else { &mut expected.0 };

@@ -19,6 +19,17 @@ pub struct Medium {
 /// all. Rays of one tree share the list, so that a ray carries one number.
 pub type Inside = Option<u32>;
 
+/// The two sides of a surface that bends rays: where the ray comes from, and beyond.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sides {
+    /// Indices of refraction on the near side and on the far one.
+    pub ior: [f64; 2],
+    /// What is around a ray that is reflected.
+    pub near: Inside,
+    /// What is around a ray that goes through.
+    pub far: Inside,
+}
+
 /// All surroundings that the rays of one sample have been in.
 #[derive(Debug)]
 pub struct Media {
@@ -77,6 +88,24 @@ impl Media {
         // Objects that overlap are left in another order than they were entered.
         let outer = self.leave(outer, object);
         self.enter(outer, medium)
+    }
+
+    /// What lies on the two sides of the surface of `medium`'s object where a ray meets it, from outside or from
+    /// inside. `solid` tells whether the object has an inside: a pane has none, and what goes through goes on in
+    /// what it came from.
+    pub fn sides(&mut self, inside: Inside, medium: &Medium, outside: bool, solid: bool) -> Sides {
+        let object = &medium.object;
+        if !solid {
+            return Sides { ior: [self.ior(inside), medium.ior], near: inside, far: inside };
+        }
+        let outer = self.leave(inside, object);
+        if outside {
+            let far = self.enter(outer, *medium);
+            return Sides { ior: [self.ior(outer), medium.ior], near: outer, far };
+        }
+        // An object that the ray is not known to have entered is left all the same.
+        let near = if self.contains(inside, object) { inside } else { self.enter(inside, *medium) };
+        Sides { ior: [self.ior(near), self.ior(outer)], near, far: outer }
     }
 
     fn entry(&self, inside: Inside) -> Option<&(Medium, Inside)> {

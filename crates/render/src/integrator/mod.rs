@@ -7,9 +7,11 @@ mod lit;
 pub mod media;
 pub mod optics;
 pub mod passage;
+pub mod path;
 mod point;
 mod record;
 pub mod recorder;
+mod resolve;
 mod shadow;
 mod shine;
 mod told;
@@ -42,6 +44,7 @@ pub fn radiances<R: Recorder>(
         Integrator::Whitted => {
             whitted::Whitted::new(scene, counts, recorder).radiances(rays, cancel)
         }
+        Integrator::Path => path::Paths::new(scene, counts, recorder).radiances(rays, cancel),
         other => rays
             .take_while(|_| !cancel.load(Ordering::Relaxed))
             .map(|ray| match ray {

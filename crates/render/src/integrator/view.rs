@@ -74,7 +74,9 @@ fn surface_view(kind: Integrator, scene: &Scene, point: &Point) -> Spectrum {
             let cos = -point.normal.dot(point.ray.direction);
             point.finish.base * (0.1 + 0.9 * cos)
         }
-        Integrator::Cost | Integrator::Rays | Integrator::Whitted => Spectrum::ZERO,
+        Integrator::Cost | Integrator::Rays | Integrator::Whitted | Integrator::Path => {
+            Spectrum::ZERO
+        }
     }
 }
 

@@ -6,7 +6,7 @@ use dioptric_scene::{Args, Category, Diagnostic, Param, Schema, Type};
 
 use super::panel::{EMITS, Panel};
 use super::shared::{COLOR, FALLOFF, INTENSITY, SAMPLES};
-use super::{Light, LightSample};
+use super::{Light, LightPass, LightPlace, LightSample, LightView};
 use crate::build::Builder;
 use crate::setting::root::Root;
 
@@ -38,6 +38,14 @@ static SCHEMA: Schema = Schema {
     example: "area_light(corner = (-3, 4, 0), edge_u = (2, 0, 0), edge_v = (0, 0, 2), intensity = 0.9)",
 };
 
+impl Area {
+    /// Its corner and edges in the space of rays, if it shines by the cosine, as a surface does.
+    #[must_use]
+    pub fn surface(&self) -> Option<(DVec3, [DVec3; 2])> {
+        self.panel.surface()
+    }
+}
+
 impl Light for Area {
     const SCHEMA: &'static Schema = &SCHEMA;
 
@@ -61,6 +69,18 @@ impl Light for Area {
 
     fn is_sharp(&self) -> bool {
         false
+    }
+
+    fn pass(&self, origin: DVec3, direction: DVec3) -> Option<LightPass> {
+        self.panel.pass(origin, direction, 1.0, |p| p.iter().all(|x| (0.0..=1.0).contains(x)))
+    }
+
+    fn view(&self, point: DVec3) -> Option<LightView> {
+        self.panel.view(point, 0.5, 0.5)
+    }
+
+    fn place(&self) -> Option<LightPlace> {
+        self.panel.place(0.5, 0.5)
     }
 }
 

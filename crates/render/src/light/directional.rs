@@ -5,9 +5,10 @@ use dioptric_math::{DVec3, Spectrum, normalize, sin};
 use dioptric_scene::{Args, Category, Default, Diagnostic, Param, Schema, Type};
 
 use super::shared::{
-    COLOR, INTENSITY, SAMPLES, direction_in_cone, facing_weight, samples, spread_of_sin2, strength,
+    COLOR, INTENSITY, SAMPLES, density_in_cone, direction_in_cone, facing_weight, samples,
+    spread_of_sin2, strength,
 };
-use super::{Light, LightSample, Sharp};
+use super::{Light, LightPass, LightPlace, LightSample, LightView, Sharp};
 use crate::build::Builder;
 use crate::setting::root::Root;
 
@@ -86,9 +87,32 @@ impl Light for Directional {
         !(self.spread > 0.0)
     }
 
+    fn pass(&self, _origin: DVec3, direction: DVec3) -> Option<LightPass> {
+        // 1 - cos, without cancellation where the disc is small.
+        let height = 0.5 * (direction - self.towards).length_squared();
+        (self.spread > 0.0 && height <= self.spread).then(|| LightPass {
+            distance: f64::INFINITY,
+            arriving: self.strength * facing_weight(self.spread),
+            density: density_in_cone(self.spread),
+        })
+    }
+
+    fn view(&self, _point: DVec3) -> Option<LightView> {
+        let sine = (self.spread * (2.0 - self.spread)).max(0.0).sqrt();
+        Some(LightView {
+            direction: self.towards,
+            sine: if self.spread < 1.0 { sine } else { 1.0 },
+            arriving: self.strength,
+        })
+    }
+
     fn sharp(&self) -> Option<Sharp> {
         let arriving = self.strength * facing_weight(self.spread);
         self.is_sharp().then_some(Sharp::Parallel { towards: self.towards, arriving })
+    }
+
+    fn place(&self) -> Option<LightPlace> {
+        None
     }
 }
 

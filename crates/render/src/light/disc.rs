@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A round flat light.
 
+use std::f64::consts::PI;
+
 use dioptric_math::{DVec3, normalize, orthonormal_basis};
 use dioptric_scene::{Args, Category, Default, Diagnostic, Param, Schema, Type};
 
 use super::panel::{EMITS, Panel};
 use super::shared::{COLOR, FALLOFF, INTENSITY, SAMPLES};
-use super::{Light, LightSample};
+use super::{Light, LightPass, LightPlace, LightSample, LightView};
 use crate::build::Builder;
 use crate::sampling::warp::concentric_disc;
 use crate::setting::root::Root;
@@ -69,6 +71,18 @@ impl Light for Disc {
 
     fn is_sharp(&self) -> bool {
         false
+    }
+
+    fn pass(&self, origin: DVec3, direction: DVec3) -> Option<LightPass> {
+        self.panel.pass(origin, direction, PI, |[x, y]| x * x + y * y <= 1.0)
+    }
+
+    fn view(&self, point: DVec3) -> Option<LightView> {
+        self.panel.view(point, 0.0, 1.0)
+    }
+
+    fn place(&self) -> Option<LightPlace> {
+        self.panel.place(0.0, 1.0)
     }
 }
 

@@ -14,7 +14,7 @@ pub mod directional;
 pub mod disc;
 mod panel;
 pub mod point;
-mod shared;
+pub(crate) mod shared;
 mod sharp;
 pub mod spot;
 #[cfg(test)]
@@ -32,6 +32,39 @@ pub struct LightSample {
     pub distance: f64,
     /// What arrives, the light's falloff and cone included.
     pub arriving: Spectrum,
+}
+
+/// Where a ray passes a light that has a size.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightPass {
+    /// Distance from the ray's origin, in the space of rays.
+    pub distance: f64,
+    /// What [`Light::sample`] says to arrive at the origin from there.
+    pub arriving: Spectrum,
+    /// The density over solid angles with which [`Light::sample`] finds that direction for uniform `u`.
+    pub density: f64,
+}
+
+/// What can be said of a light at a point without asking for any part of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightView {
+    /// Unit vector towards its middle.
+    pub direction: DVec3,
+    /// Sine of half the angle under which it is seen, from above; 1 where it may be anywhere.
+    pub sine: f64,
+    /// About what arrives; not 0 unless nothing can.
+    pub arriving: Spectrum,
+}
+
+/// Where a light is that weakens with distance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightPlace {
+    /// The middle of a ball around it.
+    pub center: DVec3,
+    /// The ball's radius.
+    pub radius: f64,
+    /// What arrives at the distance 1 in the space of rays, where it is strongest.
+    pub intensity: Spectrum,
 }
 
 /// A light.
@@ -58,10 +91,20 @@ pub trait Light: Sized {
     /// Whether it has no size: [`Self::sample`] is the same for all `u`.
     fn is_sharp(&self) -> bool;
 
+    /// Where a ray from `origin` along the unit vector `direction` passes it; `None` for sharp lights and for
+    /// directions that [`Self::sample`] does not find from there.
+    fn pass(&self, origin: DVec3, direction: DVec3) -> Option<LightPass>;
+
+    /// What can be said of it at a point; `None` where nothing of it arrives there.
+    fn view(&self, point: DVec3) -> Option<LightView>;
+
     /// The light as many points ask it at once, if they can.
     fn sharp(&self) -> Option<Sharp> {
         None
     }
+
+    /// Where it is, if it weakens with distance.
+    fn place(&self) -> Option<LightPlace>;
 }
 
 macro_rules! registry {
@@ -106,10 +149,28 @@ macro_rules! registry {
                 match self { $(Self::$variant(l) => l.is_sharp(),)* }
             }
 
+            /// See [`Light::pass`].
+            #[must_use]
+            pub fn pass(&self, origin: DVec3, direction: DVec3) -> Option<LightPass> {
+                match self { $(Self::$variant(l) => l.pass(origin, direction),)* }
+            }
+
+            /// See [`Light::view`].
+            #[must_use]
+            pub fn view(&self, point: DVec3) -> Option<LightView> {
+                match self { $(Self::$variant(l) => l.view(point),)* }
+            }
+
             /// See [`Light::sharp`].
             #[must_use]
             pub fn sharp(&self) -> Option<Sharp> {
                 match self { $(Self::$variant(l) => l.sharp(),)* }
+            }
+
+            /// See [`Light::place`].
+            #[must_use]
+            pub fn place(&self) -> Option<LightPlace> {
+                match self { $(Self::$variant(l) => l.place(),)* }
             }
         }
     };

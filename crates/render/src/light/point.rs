@@ -5,7 +5,7 @@ use dioptric_math::{DVec3, Spectrum};
 use dioptric_scene::{Args, Category, Diagnostic, Param, Schema, Type};
 
 use super::shared::{Ball, COLOR, FALLOFF, INTENSITY, RADIUS, SAMPLES, samples, strength};
-use super::{Light, LightSample, Sharp};
+use super::{Light, LightPass, LightPlace, LightSample, LightView, Sharp};
 use crate::build::Builder;
 use crate::setting::root::Root;
 
@@ -67,9 +67,26 @@ impl Light for Point {
         !(self.ball.radius > 0.0)
     }
 
+    fn pass(&self, origin: DVec3, direction: DVec3) -> Option<LightPass> {
+        let (s, density) = self.ball.pass(origin, direction)?;
+        let arriving = self.strength * s.weight;
+        Some(LightPass { distance: s.distance, arriving, density })
+    }
+
+    fn view(&self, point: DVec3) -> Option<LightView> {
+        let (direction, sine, weight) = self.ball.view(point)?;
+        Some(LightView { direction, sine, arriving: self.strength * weight })
+    }
+
     fn sharp(&self) -> Option<Sharp> {
         let Ball { center, falloff, radius } = self.ball;
         (radius == 0.0).then_some(Sharp::Point { center, falloff, strength: self.strength })
+    }
+
+    fn place(&self) -> Option<LightPlace> {
+        let Ball { center, radius, falloff } = self.ball;
+        let intensity = self.strength * falloff.at(1.0);
+        falloff.weakens().then_some(LightPlace { center, radius, intensity })
     }
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Parameters that several lights have, and what is worked out from them.
 
+use std::f64::consts::TAU;
+
 use dioptric_math::{DVec3, Spectrum, normalize, orthonormal_basis};
 use dioptric_scene::{Args, Default, Diagnostic, Param, Type};
 
@@ -78,6 +80,12 @@ impl Falloff {
         })
     }
 
+    /// Whether it weakens at all.
+    #[must_use]
+    pub const fn weakens(self) -> bool {
+        matches!(self, Self::Square { .. })
+    }
+
     /// The factor at a distance in the space of rays.
     #[must_use]
     pub fn at(self, distance: f64) -> f64 {
@@ -97,7 +105,7 @@ impl Falloff {
 /// The height `1 - cos` of a cap is in proportion to its solid angle (Archimedes), so a disc is mapped
 /// to a cap ring by ring; the disc comes from the square with little distortion, which keeps strata
 /// compact.
-pub(super) fn direction_in_cone(axis: DVec3, spread: f64, u: [f64; 2]) -> DVec3 {
+pub(crate) fn direction_in_cone(axis: DVec3, spread: f64, u: [f64; 2]) -> DVec3 {
     let [a, b] = concentric_disc(u);
     let height = (a * a + b * b) * spread;
     let across = (spread * (2.0 - height).max(0.0)).sqrt(); // sin / radius of the disc
@@ -107,8 +115,23 @@ pub(super) fn direction_in_cone(axis: DVec3, spread: f64, u: [f64; 2]) -> DVec3 
 }
 
 /// `1 - cos` of an angle whose squared sine is given; without cancellation for small ones.
-pub(super) fn spread_of_sin2(sin2: f64) -> f64 {
+pub(crate) fn spread_of_sin2(sin2: f64) -> f64 {
     sin2 / (1.0 + (1.0 - sin2).max(0.0).sqrt())
+}
+
+/// The density of [`direction_in_cone`] over solid angles.
+pub(crate) fn density_in_cone(spread: f64) -> f64 {
+    1.0 / (TAU * spread)
+}
+
+/// The largest cosine, at least 0, that directions can have which lie around one of cosine `cos` by an angle
+/// of the sine `sine`; 1 for all round.
+pub(crate) fn cosine_within(cos: f64, sine: f64) -> f64 {
+    let side = (1.0 - sine * sine).max(0.0).sqrt();
+    if sine >= 1.0 || cos >= side {
+        return 1.0;
+    }
+    (cos * side + (1.0 - cos * cos).max(0.0).sqrt() * sine).max(0.0)
 }
 
 /// What a surface receives that faces the middle of a cone of light, over what it would receive if
@@ -177,6 +200,44 @@ impl Ball {
         let distance = (along - (r * r - off * off).max(0.0).sqrt()).max(0.0);
         let weight = self.falloff.at(d) * facing_weight(spread);
         Some(BallSample { direction, distance, weight })
+    }
+
+    /// Where a ray passes it, and the density with which [`Self::sample`] goes that way.
+    pub(super) fn pass(&self, origin: DVec3, direction: DVec3) -> Option<(BallSample, f64)> {
+        let way = self.center - origin;
+        let (d, r) = (way.length(), self.radius);
+        if !(r > 0.0 && d.is_finite()) {
+            return None;
+        }
+        let along = way.dot(direction);
+        if d < r {
+            let distance = along + (r * r - d * d + along * along).max(0.0).sqrt();
+            let weight = 4.0 * self.falloff.at(r);
+            return Some((BallSample { direction, distance, weight }, density_in_cone(2.0)));
+        }
+        let off = way.cross(direction).length();
+        if !(along > 0.0 && off <= r) {
+            return None;
+        }
+        let spread = spread_of_sin2((r / d) * (r / d));
+        let distance = (along - (r * r - off * off).max(0.0).sqrt()).max(0.0);
+        let weight = self.falloff.at(d) * facing_weight(spread);
+        Some((BallSample { direction, distance, weight }, density_in_cone(spread)))
+    }
+
+    /// Direction, sine and weight of a [`super::LightView`].
+    pub(super) fn view(&self, point: DVec3) -> Option<(DVec3, f64, f64)> {
+        let way = self.center - point;
+        let (d, r) = (way.length(), self.radius);
+        if !d.is_finite() || (r == 0.0 && d == 0.0) {
+            return None;
+        }
+        let axis = normalize(way).unwrap_or(DVec3::Z);
+        Some(if d < r {
+            (axis, 1.0, 4.0 * self.falloff.at(r))
+        } else {
+            (axis, r / d, self.falloff.at(d))
+        })
     }
 }
 

@@ -5,7 +5,7 @@ use dioptric_math::{DVec3, Spectrum, cos, normalize};
 use dioptric_scene::{Args, Category, Default, Diagnostic, Param, Schema, Type};
 
 use super::shared::{Ball, COLOR, FALLOFF, INTENSITY, RADIUS, SAMPLES, samples, strength};
-use super::{Light, LightSample};
+use super::{Light, LightPass, LightPlace, LightSample, LightView};
 use crate::build::Builder;
 use crate::setting::root::Root;
 
@@ -135,6 +135,31 @@ impl Light for Spot {
 
     fn is_sharp(&self) -> bool {
         !(self.ball.radius > 0.0)
+    }
+
+    fn pass(&self, origin: DVec3, direction: DVec3) -> Option<LightPass> {
+        let share = self.share(normalize(origin - self.ball.center)?.dot(self.axis));
+        if share <= 0.0 {
+            return None;
+        }
+        let (s, density) = self.ball.pass(origin, direction)?;
+        let arriving = self.strength * (share * s.weight);
+        Some(LightPass { distance: s.distance, arriving, density })
+    }
+
+    fn view(&self, point: DVec3) -> Option<LightView> {
+        let share = self.share(normalize(point - self.ball.center)?.dot(self.axis));
+        if share <= 0.0 {
+            return None;
+        }
+        let (direction, sine, weight) = self.ball.view(point)?;
+        Some(LightView { direction, sine, arriving: self.strength * (share * weight) })
+    }
+
+    fn place(&self) -> Option<LightPlace> {
+        let Ball { center, radius, falloff } = self.ball;
+        let intensity = self.strength * falloff.at(1.0);
+        falloff.weakens().then_some(LightPlace { center, radius, intensity })
     }
 }
 

@@ -99,6 +99,10 @@ impl Material for Clear {
         false
     }
 
+    fn may_shine(&self) -> bool {
+        self.lit.may_shine()
+    }
+
     fn bump(&self) -> Option<&Bump> {
         self.bump.as_ref()
     }

@@ -40,6 +40,10 @@ impl Material for Glow {
         let color = self.color.eval(point);
         Finish { base: color, emission: color * self.strength, ..Finish::matte(Spectrum::ZERO) }
     }
+
+    fn may_shine(&self) -> bool {
+        self.strength > 0.0
+    }
 }
 
 #[cfg(test)]

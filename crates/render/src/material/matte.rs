@@ -15,6 +15,7 @@ use crate::pattern::PatternPoint;
 pub struct Matte {
     color: ColorInput,
     ambient: NumberInput,
+    roughness: NumberInput,
     bump: Option<Bump>,
 }
 
@@ -23,7 +24,11 @@ static SCHEMA: Schema = Schema {
     category: Category::Material,
     summary: "a dull surface, equally bright from everywhere",
     doc: "Reflects light by the cosine of its angle to the normal (Lambert, \"Photometria\", 1760):\n\
-          `color (ambient x scene's ambient + sum of light x n.l)`.",
+          `color (ambient x scene's ambient + sum of light x n.l)`.\n\n\
+          Paths know `roughness`, too: the surface is made of small facets that hide each other and throw light\n\
+          at each other, which flattens a ball and brightens its rim (Oren and Nayar, \"Generalization of Lambert's\n\
+          Reflectance Model\", SIGGRAPH 1994; here as by Portsmouth, Kutz and Hill, \"EON: A Practical\n\
+          Energy-Preserving Rough Diffuse BRDF\", JCGT 14(1), 2025). In Whitted's pictures it changes nothing.",
     params: &[
         Param::new(
             "color",
@@ -32,6 +37,12 @@ static SCHEMA: Schema = Schema {
             "How much light it reflects.",
         ),
         AMBIENT,
+        Param::new(
+            "roughness",
+            Type::UNIT_PATTERN,
+            Default::Number(0.0),
+            "How uneven the surface is in small, for paths: 0 is Lambert's, 1 like the moon's.",
+        ),
         BUMP,
         BUMP_HEIGHT,
     ],
@@ -42,7 +53,12 @@ impl Matte {
     /// A matte surface of one colour.
     #[must_use]
     pub const fn new(color: Spectrum) -> Self {
-        Self { color: ColorInput::Constant(color), ambient: NumberInput::Constant(1.0), bump: None }
+        Self {
+            color: ColorInput::Constant(color),
+            ambient: NumberInput::Constant(1.0),
+            roughness: NumberInput::Constant(0.0),
+            bump: None,
+        }
     }
 }
 
@@ -53,13 +69,18 @@ impl Material for Matte {
         Ok(Self {
             color: builder.color(args, "color")?,
             ambient: builder.number(args, "ambient")?,
+            roughness: builder.number(args, "roughness")?,
             bump: bump(args, builder)?,
         })
     }
 
     fn finish(&self, point: &PatternPoint) -> Finish {
         let color = self.color.eval(point);
-        Finish { ambient: color * unit(&self.ambient, point), ..Finish::matte(color) }
+        Finish {
+            ambient: color * unit(&self.ambient, point),
+            unevenness: unit(&self.roughness, point),
+            ..Finish::matte(color)
+        }
     }
 
     fn bump(&self) -> Option<&Bump> {
@@ -73,6 +94,13 @@ mod tests {
     use crate::material::testing::{build, point};
     use dioptric_math::Spectrum;
     use dioptric_scene::Value;
+
+    #[test]
+    fn its_roughness_is_told() {
+        let rough = build::<Matte>(&[("roughness", Value::Number(0.4))]).unwrap();
+        assert_eq!(rough.finish(&point()).unevenness, 0.4);
+        assert!(build::<Matte>(&[("roughness", Value::Number(1.5))]).is_err());
+    }
 
     #[test]
     fn the_ambient_share_leaves_the_diffuse_colour_alone() {

@@ -8,6 +8,8 @@ use crate::build::Builder;
 use crate::input::NumberInput;
 use crate::pattern::PatternPoint;
 
+pub(crate) use highlight::{FAINTEST, whole};
+pub use highlight::{Highlight, HighlightModel};
 pub(crate) use shared::absorption;
 
 #[cfg(test)]
@@ -15,6 +17,7 @@ mod battery;
 pub mod clear;
 pub mod glass;
 pub mod glow;
+mod highlight;
 pub mod matte;
 pub mod metal;
 mod metal_data;
@@ -25,26 +28,6 @@ pub mod plastic;
 mod shared;
 #[cfg(test)]
 pub(crate) mod testing;
-
-/// The shape of a highlight.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum HighlightModel {
-    /// `max(0, r . v)^n` with the mirrored light direction r (Phong 1975).
-    Phong,
-    /// `max(0, n . h)^n` with the half vector h (Blinn 1977).
-    Blinn,
-}
-
-/// A highlight of a light on a surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Highlight {
-    /// Which formula.
-    pub model: HighlightModel,
-    /// Its colour and strength.
-    pub color: Spectrum,
-    /// Its exponent.
-    pub exponent: f64,
-}
 
 /// What is seen in or through a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -93,7 +76,7 @@ pub enum Optics {
     },
 }
 
-/// A surface's answer at one point in Whitted's model.
+/// A surface's answer at one point. Whitted's pictures and paths (see [`crate::bsdf`]) are both made from it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Finish {
     /// The pattern's or constant base colour, for `why` and the albedo layer.
@@ -102,6 +85,8 @@ pub struct Finish {
     pub ambient: Spectrum,
     /// Multiplies `n . l` and the light's colour.
     pub diffuse: Spectrum,
+    /// How rough the diffuse surface is in small, 0 (Lambert's) to 1; for paths only: see [`crate::bsdf::Bsdf`].
+    pub unevenness: f64,
     /// The highlight.
     pub highlight: Option<Highlight>,
     /// Light of its own.
@@ -122,6 +107,7 @@ impl Finish {
             base: color,
             ambient: color,
             diffuse: color,
+            unevenness: 0.0,
             highlight: None,
             emission: Spectrum::ZERO,
             optics: Optics::Opaque,
@@ -163,6 +149,11 @@ pub trait Material: Sized {
     fn is_opaque(&self) -> bool {
         true
     }
+
+    /// Whether it may shine by itself somewhere: [`Finish::emission`] is not always 0.
+    fn may_shine(&self) -> bool {
+        false
+    }
 }
 
 macro_rules! registry {
@@ -199,6 +190,12 @@ macro_rules! registry {
             #[must_use]
             pub fn is_opaque(&self) -> bool {
                 match self { $(Self::$variant(m) => m.is_opaque(),)* }
+            }
+
+            /// See [`Material::may_shine`].
+            #[must_use]
+            pub fn may_shine(&self) -> bool {
+                match self { $(Self::$variant(m) => m.may_shine(),)* }
             }
 
             /// See [`Material::bump`].

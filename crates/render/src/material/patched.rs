@@ -79,6 +79,10 @@ impl Material for Patched {
         self.first.is_opaque() && self.second.is_opaque()
     }
 
+    fn may_shine(&self) -> bool {
+        self.first.may_shine() || self.second.may_shine()
+    }
+
     fn bump(&self) -> Option<&Bump> {
         self.bump.as_ref()
     }

@@ -67,6 +67,11 @@ impl Lit {
         })
     }
 
+    /// Whether its own light is not black everywhere.
+    pub(super) fn may_shine(&self) -> bool {
+        !matches!(self.emission, ColorInput::Constant(Spectrum::ZERO))
+    }
+
     /// The lit sum's parts at a point.
     pub(super) fn finish(&self, point: &PatternPoint) -> Finish {
         let color = self.color.eval(point);
@@ -136,6 +141,10 @@ impl Material for Phong {
             Optics::Mirror { reflect: mirror, grazing: mirror, roughness: 0.0, covers: false }
         };
         Finish { optics, ..self.lit.finish(point) }
+    }
+
+    fn may_shine(&self) -> bool {
+        self.lit.may_shine()
     }
 
     fn bump(&self) -> Option<&Bump> {

@@ -173,6 +173,7 @@ impl Gloss {
             model: self.model,
             color: self.color.eval(point) * non_negative(&self.strength, point),
             exponent: non_negative(&self.exponent, point),
+            image: false,
         })
     }
 }
@@ -213,6 +214,7 @@ impl Glint {
                 Some(written) => non_negative(written, point),
                 None => exponent_of(roughness),
             },
+            image: true,
         })
     }
 }

@@ -97,6 +97,14 @@ static SCHEMA: Schema = Schema {
     example: "sphere(center = (0, 1, 0), radius = 1, material = matte(image(\"pictures/planet.png\")))",
 };
 
+impl Image {
+    /// Its width and height in texels.
+    #[must_use]
+    pub fn size(&self) -> [usize; 2] {
+        [self.lookup.texture.width(), self.lookup.texture.height()]
+    }
+}
+
 impl Pattern for Image {
     const SCHEMA: &'static Schema = &SCHEMA;
 

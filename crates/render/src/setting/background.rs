@@ -3,13 +3,13 @@
 
 use std::f64::consts::{PI, TAU};
 
-use dioptric_math::{DVec2, DVec3, Spectrum, asin, atan2, normalize};
+use dioptric_math::{DMat3, DVec2, DVec3, Spectrum, asin, atan2, normalize};
 use dioptric_scene::{Args, Category, Default, Diagnostic, Param, Schema, Type};
 
 use super::root::Root;
 use crate::build::Builder;
 use crate::input::ColorInput;
-use crate::pattern::PatternPoint;
+use crate::pattern::{AnyPattern, PatternPoint};
 
 /// The schema of `background`.
 pub static SCHEMA: Schema = Schema {
@@ -64,17 +64,52 @@ impl Background {
         }
     }
 
+    /// What is seen everywhere, if that is the same.
+    #[must_use]
+    pub fn constant(&self) -> Option<Spectrum> {
+        match &self.color {
+            ColorInput::Constant(c) => Some(*c * self.intensity),
+            ColorInput::Pattern(_) => None,
+        }
+    }
+
+    /// Width and height of the picture that the sky is, if it is one.
+    #[must_use]
+    pub fn picture_size(&self) -> Option<[usize; 2]> {
+        match &self.color {
+            ColorInput::Pattern(pattern) => match &**pattern {
+                AnyPattern::Image(image) => Some(image.size()),
+                _ => None,
+            },
+            ColorInput::Constant(_) => None,
+        }
+    }
+
+    /// From directions of the space of rays to those whose lanes are right, ahead and up: `u` is the angle from
+    /// ahead to the right, `v` that above the horizon.
+    #[must_use]
+    pub fn frame(&self) -> DMat3 {
+        let (to_file, z_up) = match &self.root {
+            Some(root) => {
+                (root.transform().to_local().matrix3, root.up().z.abs() > root.up().y.abs())
+            }
+            None => (DMat3::IDENTITY, false),
+        };
+        // Straight ahead is -z where y is up, and y where z is up.
+        let rows =
+            if z_up { DMat3::IDENTITY } else { DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::NEG_Y) };
+        rows * to_file
+    }
+
     /// Where the pattern is asked for a direction of the space of rays.
     #[must_use]
     pub fn point(&self, direction: DVec3) -> PatternPoint {
-        let (in_file, z_up) = match &self.root {
-            Some(root) => (
-                root.transform().direction_to_local(direction),
-                root.up().z.abs() > root.up().y.abs(),
-            ),
-            None => (direction, false),
+        let in_file = match &self.root {
+            Some(root) => root.transform().direction_to_local(direction),
+            None => direction,
         };
         let d = normalize(in_file).unwrap_or(DVec3::NEG_Z);
+        let z_up = self.root.as_ref().is_some_and(|root| root.up().z.abs() > root.up().y.abs());
         // Straight ahead is -z where y is up, and y where z is up.
         let (ahead, up) = if z_up { (d.y, d.z) } else { (-d.z, d.y) };
         let u = (0.5 + atan2(d.x, ahead) / TAU).clamp(0.0, 1.0);
@@ -111,6 +146,18 @@ mod tests {
         assert_eq!(uv(&z_up, DVec3::Y), DVec2::new(0.5, 0.5));
         assert_eq!(uv(&z_up, DVec3::X), DVec2::new(0.75, 0.5));
         assert_eq!(uv(&z_up, DVec3::Z).y, 1.0);
+    }
+
+    #[test]
+    fn the_frame_says_the_same() {
+        for up in [DVec3::Y, DVec3::Z] {
+            let sky = background(up, DAffine3::from_rotation_x(0.7));
+            let d = DVec3::new(0.48, -0.6, 0.64);
+            let own = sky.frame() * d;
+            let uv = sky.point(d).uv;
+            assert!((0.5 + atan2(own.x, own.y) / TAU - uv.x).abs() < 1e-12, "{up}");
+            assert!((0.5 + asin(own.z) / PI - uv.y).abs() < 1e-12, "{up}");
+        }
     }
 
     #[test]

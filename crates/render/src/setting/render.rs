@@ -14,6 +14,9 @@ pub const MAX_PIXELS: u64 = 1 << 28;
 /// Samples that a pixel may have.
 pub const MAX_SAMPLES: u32 = 1 << 16;
 
+/// Bounces that a path may have.
+pub const MAX_BOUNCES: u32 = 10_000;
+
 /// The schema of `render`.
 pub static SCHEMA: Schema = Schema {
     kind: "render",
@@ -25,7 +28,8 @@ pub static SCHEMA: Schema = Schema {
           \"jitter\" one anywhere in each cell of the grid; \"sobol\" evenly spread ones (use powers of two);\n\
           \"adaptive\" takes `samples` like \"sobol\", and `max_samples` where the picture changes: see\n\
           [anti-aliasing](antialiasing.md).\n\n\
-          `integrator`: \"whitted\" is the real picture; the others show something else of what the camera\n\
+          `integrator`: \"whitted\" is crisp and quick: direct light, mirrors, glass. \"path\" follows light everywhere,\n\
+          as nature does: see [paths of light](path.md). The others show something else of what the camera\n\
           sees: a quick preview (\"eyelight\"), `normals`, `depth`, `uv`, a colour for each `object` or `material`,\n\
           and where the time goes (`cost` of the search for hits, `rays` of each pixel).",
     params: &[
@@ -82,15 +86,31 @@ pub static SCHEMA: Schema = Schema {
         ),
         Param::new(
             "bounces",
-            Type::Integer { min: 0, max: 64 },
-            Preset::Number(10.0),
-            "At most so many reflections and passes through objects are followed, one after the other.",
+            Type::Integer { min: 0, max: MAX_BOUNCES as i64 },
+            Preset::Absent,
+            "At most so many reflections and passes through objects are followed, one after the other. Without: 10, \
+             and 100 for \"path\".",
         ),
         Param::new(
             "min_contribution",
             Type::UNIT,
             Preset::Number(0.001),
             "Rays that can change a pixel by less than this share are not followed. 0 follows all.",
+        ),
+        Param::new(
+            "light_sampling",
+            Type::Choice(LightSampling::NAMES),
+            Preset::Text("both"),
+            "With \"path\": how light is found. A surface asks the \"lights\", or light is met by chance where the \
+             \"surfaces\" send paths; \"both\" together, each weighted by how well it does, are never much worse than the \
+             better one. All three show the same picture with other noise.",
+        ),
+        Param::new(
+            "clamp",
+            Type::Positive,
+            Preset::Absent,
+            "With \"path\": light that comes by more than one bounce is cut off at this radiance, which takes away bright \
+             specks and makes the picture too dark where they belonged (biased). Without: nothing is.",
         ),
         Param::new(
             "shadows",
@@ -115,6 +135,8 @@ pub enum Integrator {
     /// Whitted's recursive ray tracing.
     #[default]
     Whitted,
+    /// Paths of light, without bias.
+    Path,
     /// Colours lit from the camera: a quick preview.
     Eyelight,
     /// Shading normals, -1 to 1 shown as 0 to 1.
@@ -135,11 +157,14 @@ pub enum Integrator {
 
 impl Integrator {
     /// The words of the `integrator` parameter.
-    pub const NAMES: &'static [&'static str] =
-        &["whitted", "eyelight", "normals", "depth", "uv", "object", "material", "cost", "rays"];
+    pub const NAMES: &'static [&'static str] = &[
+        "whitted", "path", "eyelight", "normals", "depth", "uv", "object", "material", "cost",
+        "rays",
+    ];
 
-    const ALL: [Self; 9] = [
+    const ALL: [Self; 10] = [
         Self::Whitted,
+        Self::Path,
         Self::Eyelight,
         Self::Normals,
         Self::Depth,
@@ -156,10 +181,50 @@ impl Integrator {
         Self::NAMES.iter().zip(Self::ALL).find(|(word, _)| **word == name).map(|(_, i)| i)
     }
 
+    /// How many bounces it follows unless told.
+    #[must_use]
+    pub const fn default_bounces(self) -> u32 {
+        match self {
+            Self::Path => 100,
+            _ => 10,
+        }
+    }
+
     /// Its word.
     #[must_use]
     pub fn name(self) -> &'static str {
         Self::NAMES.get(self as usize).copied().unwrap_or("whitted")
+    }
+}
+
+/// How paths find light.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum LightSampling {
+    /// Multiple importance sampling.
+    #[default]
+    Both,
+    /// Surfaces ask the lights; only what no question finds is met by chance.
+    Lights,
+    /// Paths meet light by chance; only sharp lights, which nothing meets, are asked.
+    Surfaces,
+}
+
+impl LightSampling {
+    /// The words of the `light_sampling` parameter.
+    pub const NAMES: &'static [&'static str] = &["both", "lights", "surfaces"];
+
+    const ALL: [Self; 3] = [Self::Both, Self::Lights, Self::Surfaces];
+
+    /// The way of a word.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::NAMES.iter().zip(Self::ALL).find(|(word, _)| **word == name).map(|(_, s)| s)
+    }
+
+    /// Its word.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        Self::NAMES.get(self as usize).copied().unwrap_or("both")
     }
 }
 
@@ -217,6 +282,10 @@ pub struct RenderSettings {
     pub bounces: u32,
     /// Smallest share of a pixel worth a ray.
     pub min_contribution: f64,
+    /// How paths find light.
+    pub light_sampling: LightSampling,
+    /// The most radiance that indirect light may bring to a path; infinite for no bias.
+    pub clamp: f64,
     /// What blocks light.
     pub shadows: Shadows,
     /// Fixes all random numbers.
@@ -236,6 +305,8 @@ impl Default for RenderSettings {
             integrator: Integrator::Whitted,
             bounces: 10,
             min_contribution: 0.001,
+            light_sampling: LightSampling::Both,
+            clamp: f64::INFINITY,
             shadows: Shadows::Opaque,
             seed: 0,
         }
@@ -251,6 +322,8 @@ impl RenderSettings {
         let antialias = word(args, "antialias", Antialias::from_name)?;
         let filter = word(args, "filter", Filter::from_name)?;
         let (samples, max_samples) = samples(args, antialias)?;
+        let integrator = word(args, "integrator", Integrator::from_name)?;
+        let bounces = args.optional_number("bounces")?.map(|n| n as u32);
         Ok(Self {
             size: size(args, max_pixels)?,
             samples,
@@ -261,9 +334,11 @@ impl RenderSettings {
             filter_radius: args
                 .optional_number("filter_radius")?
                 .unwrap_or(filter.default_radius()),
-            integrator: word(args, "integrator", Integrator::from_name)?,
-            bounces: args.integer("bounces")? as u32,
+            integrator,
+            bounces: bounces.unwrap_or(integrator.default_bounces()),
             min_contribution: args.number("min_contribution")?,
+            light_sampling: word(args, "light_sampling", LightSampling::from_name)?,
+            clamp: args.optional_number("clamp")?.unwrap_or(f64::INFINITY),
             shadows: word(args, "shadows", Shadows::from_name)?,
             seed: args.integer("seed")? as u64,
         })
@@ -282,12 +357,13 @@ impl RenderSettings {
         Self::from_args(&setting.args(), max_pixels).map_err(|error| setting.explain(error))
     }
 
-    /// Every parameter with its value, in the schema's order: read again, they give the same settings.
+    /// Every parameter that has a value, in the schema's order: read again, they give the same settings.
     /// For metadata and statistics.
     #[must_use]
     pub fn to_values(&self) -> Vec<(&'static str, Value)> {
         let number = |n: u32| Value::Number(f64::from(n));
-        vec![
+        let clamp = self.clamp.is_finite().then_some(("clamp", Value::Number(self.clamp)));
+        let mut values = vec![
             ("size", Value::Vec2(self.size.map(f64::from))),
             ("samples", number(self.samples)),
             ("antialias", Value::Text(self.antialias.name().into())),
@@ -298,9 +374,14 @@ impl RenderSettings {
             ("integrator", Value::Text(self.integrator.name().into())),
             ("bounces", number(self.bounces)),
             ("min_contribution", Value::Number(self.min_contribution)),
+            ("light_sampling", Value::Text(self.light_sampling.name().into())),
+        ];
+        values.extend(clamp);
+        values.extend([
             ("shadows", Value::Text(self.shadows.name().into())),
             ("seed", Value::Number(self.seed as f64)),
-        ]
+        ]);
+        values
     }
 
     /// Width over height.

@@ -129,6 +129,8 @@ fn settings_survive_being_written_and_read() {
             integrator: Integrator::Cost,
             bounces: 3,
             min_contribution: 0.0,
+            light_sampling: LightSampling::Surfaces,
+            clamp: 2.5,
             shadows: Shadows::Tinted,
             seed: 1 << 52,
             ..with(&[("antialias", text(mode))]).unwrap()

@@ -4,6 +4,7 @@
 //! Works on the JSON that `why --json` prints and knows nothing else of the renderer: the text cannot
 //! say anything that the JSON does not.
 
+mod paths;
 mod words;
 
 use std::fmt::Write;
@@ -18,8 +19,10 @@ pub struct Style<'a> {
     pub swatch: Option<&'a dyn Fn([f64; 3]) -> [u8; 3]>,
     /// Rays below this many others are folded to their value; the camera's ray is at 0.
     pub depth: usize,
-    /// Shows every sample's tree, not one of each way that rays take.
+    /// Shows every sample's tree, not one of each way that rays take, or the brightest paths.
     pub all: bool,
+    /// Shows this sample's tree alone, counted from 1.
+    pub sample: Option<usize>,
 }
 
 /// Column in which the numbers of a row begin.
@@ -29,9 +32,10 @@ const NUMBERS: usize = 44;
 pub fn pixel(pixel: &Value, style: &Style) -> String {
     let mut text = Text { out: String::new(), style };
     let samples = list(pixel, "samples");
-    for group in groups(samples, style.all) {
+    let by_paths = pixel["paths"].is_object();
+    for group in told(pixel, samples, style) {
         let Some((&first, others)) = group.split_first() else { continue };
-        let sample = &samples[first];
+        let Some(sample) = samples.get(first) else { continue };
         let weight = number(&sample["weight"]);
         text.line("", &format!("sample {} of {}, weight {weight}", first + 1, samples.len()));
         text.node(&sample["ray"], "", 0);
@@ -41,18 +45,38 @@ pub fn pixel(pixel: &Value, style: &Style) -> String {
         text.line("", "");
     }
     text.line("", &format!("pixel {},{}", pixel["pixel"][0], pixel["pixel"][1]));
-    if samples.len() > 1 {
+    if by_paths {
+        text.groups(&pixel["paths"]);
+    } else if samples.len() > 1 {
         for (i, sample) in samples.iter().enumerate() {
             let label = format!("{} x sample {}", number(&sample["weight"]), i + 1);
             text.row("", '+', &label, rgb(&sample["ray"]["value"]));
         }
     }
     text.row("", '=', "linear light", rgb(&pixel["linear"]));
+    if by_paths && samples.len() > 1 {
+        let label = format!("standard error of {} samples", samples.len());
+        text.row("", ' ', &label, rgb(&pixel["paths"]["standard_error"]));
+    }
     for step in list(pixel, "develop") {
         text.row("", ' ', step["step"].as_str().unwrap_or("step"), rgb(&step["value"]));
     }
     text.bytes(&pixel["rgb8"]);
     text.out
+}
+
+/// Which samples are told in full, each with those that it speaks for.
+fn told(pixel: &Value, samples: &[Value], style: &Style) -> Vec<Vec<usize>> {
+    if let Some(sample) = style.sample {
+        return vec![vec![sample.saturating_sub(1)]];
+    }
+    match &pixel["paths"] {
+        paths @ Value::Object(_) if !style.all => {
+            let brightest = list(paths, "brightest").iter().filter_map(Value::as_u64);
+            brightest.map(|i| vec![i as usize]).collect()
+        }
+        _ => groups(samples, style.all),
+    }
 }
 
 /// Samples whose rays met the same things in the same order: the tree of the first one speaks for all.
@@ -140,7 +164,7 @@ impl Text<'_> {
         let kind = node["kind"].as_str().unwrap_or("ray");
         self.line(indent, &format!("{kind} ray {}", met(node)));
         let inner = format!("{indent}│ ");
-        for fact in facts(node) {
+        for fact in facts(node).into_iter().chain(paths::bounces(node)) {
             self.line(&inner, &fact);
         }
         for term in list(node, "terms") {
@@ -201,7 +225,7 @@ mod tests {
 
     #[test]
     fn every_term_has_its_numbers() {
-        let text = pixel(&tree(), &Style { swatch: None, depth: 9, all: false });
+        let text = pixel(&tree(), &Style { swatch: None, depth: 9, all: false, sample: None });
         let expected = "\
 sample 1 of 1, weight 1
 camera ray hits ball (a.star:7) at t 2.5
@@ -229,7 +253,7 @@ pixel 3,4
 
     #[test]
     fn folded_rays_keep_their_share() {
-        let text = pixel(&tree(), &Style { swatch: None, depth: 0, all: false });
+        let text = pixel(&tree(), &Style { swatch: None, depth: 0, all: false, sample: None });
         assert!(text.contains("+ 0.5 x reflected ray                       0.100000"), "{text}");
         assert!(text.contains("reflected ray leaves the scene (folded: 1 rays)"), "{text}");
         assert!(!text.contains("background"), "{text}");
@@ -242,7 +266,7 @@ pixel 3,4
         let mut other = sample.clone();
         other["ray"]["object"] = json!("wall");
         pixels["samples"] = json!([sample, sample, other, sample, sample]);
-        let style = |all| Style { swatch: None, depth: 9, all };
+        let style = |all| Style { swatch: None, depth: 9, all, sample: None };
         let text = pixel(&pixels, &style(false));
         assert!(text.contains("the same way: samples 2, 4, 5\n"), "{text}");
         assert!(text.contains("sample 3 of 5") && !text.contains("sample 2 of 5"), "{text}");
@@ -251,9 +275,39 @@ pixel 3,4
     }
 
     #[test]
+    fn paths_are_summed_up_and_the_brightest_told() {
+        let mut pixels = tree();
+        let mut sample = pixels["samples"][0].clone();
+        sample["ray"]["bounces"] = json!([
+            {"bounce": 0, "object": "ball", "source": null, "t": 2.5, "point": [0, 0, 2.5], "normal": [0, 0, 1],
+             "how": "mirrors", "weight": [0.5, 0.5, 0.5]},
+            {"bounce": 1, "object": "wall", "source": null, "t": 1, "point": [0, 0, 3.5], "normal": [0, 0, -1]},
+        ]);
+        sample["ray"]["ended"] = json!("absorbed");
+        pixels["samples"] = json!([pixels["samples"][0], sample]);
+        pixels["paths"] = json!({"brightest": [1], "standard_error": [0.1, 0, 0], "groups": [
+            {"class": "LDSE", "light": "lamp", "value": [0.2, 0.3, 0.4], "standard_error": [0.1, 0, 0], "samples": 2}]});
+        let style = Style { swatch: None, depth: 9, all: false, sample: None };
+        let text = pixel(&pixels, &style);
+        for line in [
+            "sample 2 of 2, weight 1\n",
+            "│ 0. ball at t 2.5 mirrors x 0.5\n│    point (0, 0, 2.5), normal (0, 0, 1)\n│ 1. wall at t 1 is the last\n",
+            "│ the path ended absorbed\n",
+            "+ LDSE from lamp                              0.200000   0.300000   0.400000\n",
+            "    give or take 0.100000 0.000000 0.000000, in 2 samples\n",
+            "  standard error of 2 samples                 0.100000   0.000000   0.000000\n",
+        ] {
+            assert!(text.contains(line), "{line}{text}");
+        }
+        assert!(!text.contains("sample 1 of 2"), "{text}");
+        assert!(pixel(&pixels, &Style { sample: Some(1), ..style }).contains("sample 1 of 2"));
+    }
+
+    #[test]
     fn swatches_show_the_developed_colour() {
         let show = |c: [f64; 3]| c.map(|x| (x * 100.0) as u8);
-        let text = pixel(&tree(), &Style { swatch: Some(&show), depth: 0, all: false });
+        let text =
+            pixel(&tree(), &Style { swatch: Some(&show), depth: 0, all: false, sample: None });
         assert!(text.contains("\x1b[48;2;20;30;40m    \x1b[0m"), "{text}");
     }
 }

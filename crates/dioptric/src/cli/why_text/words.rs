@@ -15,7 +15,7 @@ pub(super) fn met(node: &Value) -> String {
 }
 
 /// ` (scenes/space.star:12)`, or nothing.
-fn source(place: &Value) -> String {
+pub(super) fn source(place: &Value) -> String {
     match (place["file"].as_str(), place["line"].as_u64()) {
         (Some(file), Some(line)) => format!(" ({file}:{line})"),
         _ => String::new(),
@@ -23,8 +23,10 @@ fn source(place: &Value) -> String {
 }
 
 /// Keys of a ray that are shown in a way of their own, or repeat another one.
-const SHOWN: &[&str] =
-    &["kind", "object", "part", "source", "t", "terms", "children", "value", "origin"];
+const SHOWN: &[&str] = &[
+    "kind", "object", "part", "source", "t", "terms", "children", "value", "origin", "bounces",
+    "ended",
+];
 
 /// The order of those facts that every hit has; others follow.
 const ORDER: &[&str] = &[
@@ -186,7 +188,7 @@ pub(super) fn short(x: f64) -> String {
     }
 }
 
-fn value(value: &Value) -> String {
+pub(super) fn value(value: &Value) -> String {
     match value {
         Value::Null => "nothing".into(),
         Value::Bool(true) => "yes".into(),

@@ -5,6 +5,8 @@
 //! every sum: a node's `value` is the sum of its terms and of each child's weight times its value;
 //! `linear` is the sum of each sample's weight times its ray's value, rounded to f32.
 
+mod paths;
+
 use serde::Serialize;
 
 use crate::film::FilmPixel;
@@ -13,7 +15,10 @@ use crate::job::samples_of_pixel;
 use crate::picture::{Camera, shoot};
 use crate::sampling::{pixel_sample, pixel_weights};
 use crate::scene::Scene;
+use crate::setting::render::Integrator;
 use crate::stats::RayCounts;
+
+pub use paths::{Group, Paths};
 
 /// Version of the JSON's form.
 pub const SCHEMA_VERSION: u32 = 1;
@@ -27,6 +32,9 @@ pub struct Pixel {
     pub pixel: [u32; 2],
     /// All samples.
     pub samples: Vec<Sample>,
+    /// What the samples brought together; only where paths of light are followed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub paths: Option<Paths>,
     /// The pixel's linear value, each lane an f32 as in an EXR file.
     pub linear: [f64; 3],
     /// How much of the pixel is covered, 0 to 1.
@@ -70,7 +78,7 @@ pub fn explain(scene: &Scene, x: u32, y: u32) -> Option<Pixel> {
     let weights = pixel_weights(settings, [x, y], count);
     let mut film = FilmPixel::default();
     let mut rays = RayCounts::default();
-    let samples = weights
+    let samples: Vec<Sample> = weights
         .into_iter()
         .enumerate()
         .map(|(index, weight)| {
@@ -88,6 +96,7 @@ pub fn explain(scene: &Scene, x: u32, y: u32) -> Option<Pixel> {
     Some(Pixel {
         schema: SCHEMA_VERSION,
         pixel: [x, y],
+        paths: (settings.integrator == Integrator::Path).then(|| paths::add_up(&samples)),
         samples,
         linear: linear.map(f64::from),
         alpha: f64::from(alpha),

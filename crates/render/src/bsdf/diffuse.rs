@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Lambert's surface, and directions in proportion to their cosine.
+
+use std::f64::consts::{FRAC_1_PI, PI};
+
+use dioptric_math::{DVec3, Spectrum};
+
+use super::BsdfSample;
+use crate::sampling::warp::concentric_disc;
+
+/// The same radiance to all sides (Lambert, "Photometria", 1760): `f = albedo / pi`.
+#[derive(Clone, Copy, Debug)]
+pub struct Lambert {
+    pub(super) albedo: Spectrum,
+}
+
+impl Lambert {
+    #[inline]
+    pub(super) fn eval_pdf(&self, wi: DVec3) -> (Spectrum, f64) {
+        let pdf = cosine_pdf(wi);
+        (self.albedo * pdf, pdf)
+    }
+
+    #[inline]
+    pub(super) fn sample(&self, u: [f64; 2]) -> Option<BsdfSample> {
+        let wi = cosine_direction(u)?;
+        Some(BsdfSample { wi, weight: self.albedo, pdf: cosine_pdf(wi) })
+    }
+}
+
+/// A direction above the surface, by the cosine of its angle to z (Malley's method; Pharr, Jakob and Humphreys,
+/// "Physically Based Rendering", 4th ed., section A.5.3). `None` for one within the surface.
+#[inline]
+pub(super) fn cosine_direction(u: [f64; 2]) -> Option<DVec3> {
+    let [x, y] = concentric_disc(u);
+    let z = (1.0 - x * x - y * y).max(0.0).sqrt();
+    (z > 0.0).then_some(DVec3::new(x, y, z))
+}
+
+/// The density of [`cosine_direction`] over solid angles.
+#[inline]
+pub(super) fn cosine_pdf(wi: DVec3) -> f64 {
+    wi.z.max(0.0) * FRAC_1_PI
+}
+
+/// A direction above the surface, all alike. `None` for one within the surface.
+#[inline]
+pub(super) fn uniform_direction(u: [f64; 2]) -> Option<DVec3> {
+    let (s, c) = dioptric_math::sin_cos(2.0 * PI * u[0]);
+    let z = 1.0 - u[1];
+    let r = (1.0 - z * z).max(0.0).sqrt();
+    (z > 0.0).then_some(DVec3::new(r * c, r * s, z))
+}

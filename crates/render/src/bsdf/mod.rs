@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! How surfaces scatter light, for paths: what [`crate::material::Finish`] means there.
+//!
+//! A [`Bsdf`] is a sum of [`Lobe`]s in the frame of a point: z is the shading normal on the side from which the
+//! viewer looks, so `wo.z > 0`; `wi` goes towards the light, and through the surface where `wi.z < 0`. All
+//! vectors have unit length. `eval` has the cosine in it: it is `f(wo, wi) |cos|`.
+//! Densities are over solid angles.
+//!
+//! Names and order of arguments: `eval(wo, wi)`, `pdf(wo, wi)`, `sample(wo, pick, u)`. `wo` is always the direction
+//! for which the Bsdf was made: what depends on it alone is worked out once. It may lie within the surface, or below
+//! it by what rounding does.
+//!
+//! Ambient light and [`crate::material::Highlight`]s that stand for mirror images have no meaning here: paths
+//! find what they stand for.
+
+use dioptric_math::{DVec3, Spectrum};
+
+use crate::integrator::optics::{fresnel, schlick};
+use crate::material::{Finish, Optics};
+use coat::{Coat, Glaze, Ground};
+use diffuse::Lambert;
+use frosted::Frosted;
+use ggx::SMOOTHEST;
+use glass::{Glass, Interface};
+use loss::Sheen;
+use mirror::{Mirror, RoughMirror};
+use pane::Pane;
+use shares::Passing;
+use shine::Shine;
+use uneven::Uneven;
+
+#[cfg(test)]
+mod battery;
+mod coat;
+mod diffuse;
+mod frosted;
+mod ggx;
+mod glass;
+mod lobe;
+mod loss;
+mod mirror;
+mod pane;
+mod shares;
+mod shine;
+#[cfg(test)]
+mod testing;
+mod uneven;
+
+pub use lobe::Lobe;
+
+/// The sides of a surface, as a path meets it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sides {
+    /// Index of refraction on the viewer's side over that on the other.
+    pub eta: f64,
+    /// Whether the viewer is outside of a solid, or the surface has no inside.
+    pub outside: bool,
+    /// Whether the object has an inside.
+    pub solid: bool,
+}
+
+/// A direction that a surface scatters to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BsdfSample {
+    /// Where the light comes from; through the surface where its z is negative.
+    pub wi: DVec3,
+    /// `f |cos| / pdf` of all lobes together; of the one direction for a sharp lobe.
+    pub weight: Spectrum,
+    /// The density of all lobes together; infinite where the lobe is sharp (a mirror, smooth glass).
+    pub pdf: f64,
+}
+
+impl BsdfSample {
+    /// The only direction of its kind.
+    const fn sharp(wi: DVec3, weight: Spectrum) -> Self {
+        Self { wi, weight, pdf: f64::INFINITY }
+    }
+
+    /// Whether nothing but this lobe could have found the direction.
+    #[must_use]
+    pub fn is_sharp(&self) -> bool {
+        self.pdf == f64::INFINITY
+    }
+}
+
+/// How many lobes a surface may have.
+const MOST: usize = 3;
+
+/// How a point scatters light: a sum of lobes, one of which is picked in proportion to what it sends to the viewer.
+#[derive(Clone, Copy, Debug)]
+pub struct Bsdf {
+    lobes: [Lobe; MOST],
+    /// The chance of each.
+    shares: [f64; MOST],
+    count: usize,
+}
+
+/// A lobe that is not there.
+const NO_LOBE: Lobe = Lobe::Lambert(Lambert { albedo: Spectrum::ZERO });
+
+impl Bsdf {
+    /// How a surface scatters light to a viewer in the direction `wo`.
+    #[must_use]
+    pub fn new(finish: &Finish, sides: &Sides, wo: DVec3) -> Self {
+        let mut bsdf = Self { lobes: [NO_LOBE; MOST], shares: [1.0; MOST], count: 0 };
+        match finish.optics {
+            Optics::Opaque => bsdf.lit(finish, 1.0, wo),
+            Optics::Mirror { reflect, grazing, roughness, covers: false } => {
+                bsdf.lit(finish, 1.0, wo);
+                bsdf.mirror(roughness, reflect, grazing, wo);
+            }
+            Optics::Mirror { reflect, roughness, covers: true, .. } => {
+                bsdf.coated(finish.diffuse, reflect.max_element(), roughness, wo);
+            }
+            Optics::Shares { own, ior, tint, .. } => {
+                let eta = match (sides.solid, sides.outside) {
+                    (false, _) => 1.0,
+                    (true, true) => 1.0 / ior,
+                    (true, false) => ior,
+                };
+                let weight = if sides.outside {
+                    bsdf.lit(finish, own, wo);
+                    tint * (1.0 - own)
+                } else {
+                    Spectrum::ONE
+                };
+                bsdf.add(Lobe::Passing(Passing { eta, weight }), weight.max_element());
+            }
+            Optics::Dielectric { reflect, transmit, roughness, .. } => {
+                let interface = Interface::new(sides, reflect, transmit);
+                // Facets between equal media bend nothing.
+                let sharp = roughness < SMOOTHEST || (sides.eta - 1.0).abs() < 1e-6;
+                let lobe = match () {
+                    () if sharp => Lobe::Glass(Glass { interface }),
+                    () if sides.solid => Lobe::Frosted(Frosted::new(interface, roughness, wo)),
+                    () => Lobe::Pane(Pane::new(interface, roughness, wo)),
+                };
+                bsdf.add(lobe, interface.power());
+            }
+        }
+        bsdf.share_out();
+        bsdf
+    }
+
+    /// The light that a surface scatters by itself, times `share`.
+    fn lit(&mut self, finish: &Finish, share: f64, wo: DVec3) {
+        let albedo = finish.diffuse * share;
+        if finish.unevenness > 0.0 {
+            let lobe = Uneven::new(albedo, finish.unevenness, wo);
+            self.add(Lobe::Uneven(lobe), albedo.max_element());
+        } else {
+            self.add(Lobe::Lambert(Lambert { albedo }), albedo.max_element());
+        }
+        if let Some(mut highlight) = finish.highlight.filter(|h| !h.image) {
+            highlight.color *= share;
+            let lobe = Shine { highlight };
+            let power = lobe.power(wo);
+            self.add(Lobe::Shine(lobe), power);
+        }
+    }
+
+    fn mirror(&mut self, alpha: f64, reflect: Spectrum, grazing: Spectrum, wo: DVec3) {
+        if alpha < SMOOTHEST {
+            let weight = schlick(reflect, grazing, wo.z);
+            self.add(Lobe::Mirror(Mirror { weight }), weight.max_element());
+        } else {
+            let lobe = RoughMirror::new(alpha, reflect, grazing, wo);
+            let power = lobe.power(wo);
+            self.add(Lobe::RoughMirror(lobe), power);
+        }
+    }
+
+    fn coated(&mut self, albedo: Spectrum, reflectance: f64, alpha: f64, wo: DVec3) {
+        let ior = coat::index(reflectance);
+        let (coat, mirror) = if alpha < SMOOTHEST {
+            let weight = Spectrum::splat(fresnel(wo.z, 1.0 / ior));
+            (Coat::Smooth(1.0 / ior), Lobe::Mirror(Mirror { weight }))
+        } else {
+            (Coat::Rough(Sheen::new(alpha, ior)), Lobe::Glaze(Glaze::new(alpha, ior, wo)))
+        };
+        let ground = Ground::new(albedo, ior, coat, wo);
+        self.add(Lobe::Ground(ground), ground.power());
+        self.add(mirror, coat.mirrors(wo.z));
+    }
+
+    /// Adds a lobe that sends about `power` to the viewer of light from everywhere; none that sends nothing.
+    #[inline]
+    fn add(&mut self, lobe: Lobe, power: f64) {
+        if power > 0.0 && self.count < MOST {
+            self.lobes[self.count] = lobe;
+            self.shares[self.count] = power;
+            self.count += 1;
+        }
+    }
+
+    /// Makes chances of powers.
+    #[inline]
+    fn share_out(&mut self) {
+        if self.count < 2 {
+            self.shares[0] = 1.0;
+            return;
+        }
+        let shares = &mut self.shares[..self.count];
+        let sum: f64 = shares.iter().sum();
+        let even = 1.0 / shares.len() as f64;
+        for share in shares {
+            *share = if sum < f64::INFINITY { *share / sum } else { even };
+        }
+    }
+
+    /// Whether it scatters to single directions only, or not at all: no light that is looked for can be seen in it.
+    #[inline]
+    #[must_use]
+    pub fn is_sharp(&self) -> bool {
+        self.lobes[..self.count].iter().all(Lobe::is_sharp)
+    }
+
+    /// Whether it scatters light from the far side in more than single directions: frosted glass.
+    #[inline]
+    #[must_use]
+    pub fn is_translucent(&self) -> bool {
+        self.lobes[..self.count].iter().any(|lobe| matches!(lobe, Lobe::Frosted(_)))
+    }
+
+    /// Whether it scatters nothing.
+    #[inline]
+    #[must_use]
+    pub const fn is_black(&self) -> bool {
+        self.count == 0
+    }
+
+    /// `f(wo, wi) |cos|`, without what goes to single directions.
+    #[inline]
+    #[must_use]
+    pub fn eval(&self, wo: DVec3, wi: DVec3) -> Spectrum {
+        self.eval_pdf(wo, wi).0
+    }
+
+    /// The density with which [`Self::sample`] finds `wi`, without what goes to single directions.
+    #[inline]
+    #[must_use]
+    pub fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
+        self.eval_pdf(wo, wi).1
+    }
+
+    /// [`Self::eval`] and [`Self::pdf`]: together they cost little more than one.
+    #[inline]
+    #[must_use]
+    pub fn eval_pdf(&self, wo: DVec3, wi: DVec3) -> (Spectrum, f64) {
+        if self.count == 1 {
+            return self.lobes[0].eval_pdf(wo, wi);
+        }
+        let mut sum = (Spectrum::ZERO, 0.0);
+        for (lobe, share) in self.lobes[..self.count].iter().zip(&self.shares) {
+            let (f, pdf) = lobe.eval_pdf(wo, wi);
+            sum.0 += f;
+            sum.1 += share * pdf;
+        }
+        sum
+    }
+
+    /// A direction where light comes from: `pick` chooses a lobe and `u` the direction in it, all in `[0, 1)`.
+    /// `None` where light is lost.
+    #[inline]
+    #[must_use]
+    pub fn sample(&self, wo: DVec3, pick: f64, u: [f64; 2]) -> Option<BsdfSample> {
+        if self.count < 2 {
+            return if self.count == 1 { self.lobes[0].sample(wo, pick, u) } else { None };
+        }
+        let (mut lobe, mut rest) = (0, pick);
+        while lobe + 1 < self.count && rest >= self.shares[lobe] {
+            rest -= self.shares[lobe];
+            lobe += 1;
+        }
+        let share = self.shares[lobe];
+        let rest = (rest / share).clamp(0.0, 1.0 - f64::EPSILON);
+        let sample = self.lobes[lobe].sample(wo, rest, u)?;
+        if sample.is_sharp() {
+            return Some(BsdfSample { weight: sample.weight / share, ..sample });
+        }
+        let (f, pdf) = self.eval_pdf(wo, sample.wi);
+        (pdf > 0.0).then(|| BsdfSample { wi: sample.wi, weight: f / pdf, pdf })
+    }
+}

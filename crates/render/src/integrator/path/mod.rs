@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Paths of light: the rendering equation without bias (Kajiya, "The Rendering Equation", SIGGRAPH 1986).
+//!
+//! A path starts at the camera and goes on from surface to surface, in a direction that the surface's
+//! [`Bsdf`](crate::bsdf::Bsdf) picks. At each surface that is not sharp a source of light is picked too and, if nothing is
+//! between, what it sends is added. Light that both ways can find counts by both, each weighted by how likely it
+//! was to find it (Veach and Guibas, "Optimally Combining Sampling Techniques for Monte Carlo Rendering", SIGGRAPH 1995:
+//! the power heuristic). Paths that carry little end early, by chance, and the others count for them.
+//!
+//! As in Whitted's pictures, many paths are followed side by side, all a step at a time: cast the rays, [`vertex`]
+//! shades what they meet, cast the rays to the sources, add. What a path brings depends on its own numbers alone.
+//!
+//! What differs from Whitted's meaning of a scene stands in the manual, `path.md`.
+
+mod tell;
+mod vertex;
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use dioptric_geometry::world::{Hit, Query};
+use dioptric_geometry::{Contacts, HitId, Ray};
+use dioptric_math::{DVec3, Spectrum};
+
+use super::media::{Inside, Media, absorbed};
+use super::point::Leg;
+use super::recorder::{RayKind, Recorder};
+use super::resolve::Spare;
+use crate::film::{FirstHit, Radiance};
+use crate::sampling::stream::Stream;
+use crate::scene::Scene;
+use crate::setting::render::Shadows;
+use crate::stats::RayCounts;
+use tell::{Told, Trail};
+
+/// Paths that are followed side by side.
+const TOGETHER: usize = 512;
+
+/// One batch of paths.
+pub struct Paths<'a, 'r, R: Recorder> {
+    scene: &'a Scene,
+    counts: &'r mut RayCounts,
+    recorder: &'r mut R,
+    /// Transparent objects that this batch's paths have been in.
+    media: Media,
+    /// By the sample's number.
+    radiances: Vec<Radiance>,
+}
+
+/// A path that goes on: what is known of it but for its ray.
+#[derive(Clone, Copy)]
+struct Path<I> {
+    sample: u32,
+    id: I,
+    /// What multiplies the radiance that its ray brings.
+    throughput: Spectrum,
+    /// The density with which the last surface picked its direction; infinite where that was sharp.
+    density: f64,
+    /// The shading normal that it left on this side; `None` from the camera, and from where no source was asked for.
+    normal: Option<DVec3>,
+    /// What the refractions so far have squeezed radiance by: no reason to end a path.
+    squeezed: f64,
+    inside: Inside,
+    /// Bounces so far.
+    depth: u32,
+    stream: Stream,
+    trail: Trail,
+}
+
+/// What a source adds to a sample if nothing is between.
+struct Task<I> {
+    sample: u32,
+    id: I,
+    value: Spectrum,
+    /// Whether only this question can find the source.
+    sharp: bool,
+}
+
+/// Memory that the rounds of a batch use again.
+struct Round<I> {
+    queries: Vec<Query>,
+    paths: Vec<Path<I>>,
+    hits: Vec<Option<Hit>>,
+    shadows: Vec<Query>,
+    tasks: Vec<Task<I>>,
+    told: Vec<Told>,
+    blockers: Vec<Option<HitId>>,
+    spare: Spare,
+    /// Paths that end with this step.
+    ended: Vec<(u32, I)>,
+}
+
+impl<'a, 'r, R: Recorder> Paths<'a, 'r, R> {
+    /// Ready for one batch.
+    pub fn new(scene: &'a Scene, counts: &'r mut RayCounts, recorder: &'r mut R) -> Self {
+        let media = Media::new(scene.surroundings.ior);
+        Self { scene, counts, recorder, media, radiances: Vec::new() }
+    }
+
+    /// The radiance that each camera's ray brings, and what it met first; nothing if cancelled meanwhile.
+    pub fn radiances(
+        mut self,
+        rays: impl ExactSizeIterator<Item = Option<(Ray, Stream)>>,
+        cancel: &AtomicBool,
+    ) -> Vec<Radiance> {
+        self.radiances.resize(rays.len(), Radiance::NOTHING);
+        let mut round = Round::default();
+        let mut rays = rays.zip(0..);
+        let mut left = self.radiances.len();
+        while left > 0 {
+            self.media = Media::new(self.scene.surroundings.ior);
+            let around = self.scene.around_camera.iter();
+            let inside = around.fold(None, |inside, &medium| self.media.enter(inside, medium));
+            for (ray, sample) in rays.by_ref().take(TOGETHER) {
+                left -= 1;
+                if let Some((ray, stream)) = ray {
+                    self.begin(&mut round, sample, ray, stream, inside);
+                }
+            }
+            while !round.paths.is_empty() {
+                if cancel.load(Ordering::Relaxed) {
+                    return Vec::new();
+                }
+                self.step(&mut round);
+            }
+        }
+        self.radiances
+    }
+
+    fn begin(
+        &mut self,
+        round: &mut Round<R::Id>,
+        sample: u32,
+        ray: Ray,
+        stream: Stream,
+        inside: Inside,
+    ) {
+        self.counts.camera += 1;
+        let id = self.recorder.begin(None, RayKind::Camera, &ray);
+        round.queries.push(Query::new(ray, f64::INFINITY, None, Contacts::CROSSED));
+        round.paths.push(Path {
+            sample,
+            id,
+            throughput: Spectrum::ONE,
+            density: f64::INFINITY,
+            normal: None,
+            squeezed: 1.0,
+            inside,
+            depth: 0,
+            stream,
+            trail: Trail::default(),
+        });
+    }
+
+    /// Takes every path one surface further; those that go on are kept, in order.
+    fn step(&mut self, round: &mut Round<R::Id>) {
+        self.scene.world.closest_each(&round.queries, &mut round.hits);
+        let mut kept = 0;
+        for i in 0..round.paths.len() {
+            let (path, query, hit) = (round.paths[i], round.queries[i], round.hits[i]);
+            match self.meet(path, &query, hit, round) {
+                Some((path, query)) => {
+                    round.paths[kept] = path;
+                    round.queries[kept] = query;
+                    kept += 1;
+                }
+                None => round.ended.push((path.sample, path.id)),
+            }
+        }
+        self.cast_shadows(round);
+        for (sample, id) in round.ended.drain(..) {
+            let radiance = &mut self.radiances[sample as usize];
+            radiance.alpha = if radiance.first.object == FirstHit::NOTHING { 0.0 } else { 1.0 };
+            self.recorder.end(id, Spectrum::ONE, radiance.color);
+        }
+        round.paths.truncate(kept);
+        round.queries.truncate(kept);
+    }
+
+    /// Adds what arrives from the sources that were asked for.
+    fn cast_shadows(&mut self, round: &mut Round<R::Id>) {
+        let scene = self.scene;
+        self.counts.shadow += round.shadows.len() as u64;
+        scene.world.blocker_each(&round.shadows, &mut round.blockers);
+        let shadows = scene.settings.shadows;
+        let asked = round.tasks.iter().zip(&round.shadows).zip(&round.blockers);
+        for (i, ((task, query), blocker)) in asked.enumerate() {
+            let visible = match blocker {
+                None => Spectrum::ONE,
+                Some(_) if !task.sharp || shadows == Shadows::Opaque => Spectrum::ZERO,
+                Some(_) if shadows == Shadows::None => Spectrum::ONE,
+                Some(id) if scene.is_opaque(*id) => Spectrum::ZERO,
+                Some(_) => {
+                    Leg::of(query).map_or(Spectrum::ONE, |leg| scene.tinted(&leg, query.t_max))
+                }
+            };
+            let value = task.value * visible;
+            if visible != Spectrum::ZERO {
+                self.radiances[task.sample as usize].color += value;
+            }
+            if R::ENABLED {
+                let told = &round.told[i];
+                self.recorder
+                    .term(task.id, told.name, value, || told.of_source(scene, visible, *blocker));
+            }
+        }
+        round.shadows.clear();
+        round.tasks.clear();
+        round.told.clear();
+    }
+
+    /// What is left of light over a distance, by what the path is in.
+    fn transmittance(&self, inside: Inside, distance: f64) -> Spectrum {
+        let scene = self.scene;
+        let clear = match self.media.top(inside) {
+            Some(medium) => absorbed(medium.absorption, distance / scene.root.scale()),
+            None => scene.surroundings.transmittance(distance),
+        };
+        match scene.fog.as_ref().filter(|_| inside.is_none()) {
+            Some(fog) => clear * fog.transmittance(distance),
+            None => clear,
+        }
+    }
+
+    /// Adds light that a path found to its sample.
+    fn add(&mut self, path: &Path<R::Id>, value: Spectrum, told: impl FnOnce() -> Told) {
+        let value = self.clamped(path.depth, value);
+        self.radiances[path.sample as usize].color += value;
+        if R::ENABLED {
+            let told = told();
+            let scene = self.scene;
+            self.recorder.term(path.id, told.name, value, || told.of_path(scene));
+        }
+    }
+
+    /// Indirect light, cut off where the user wants that. Direct light is what arrives by at most one bounce.
+    fn clamped(&self, depth: u32, value: Spectrum) -> Spectrum {
+        let most = self.scene.settings.clamp;
+        let brightest = value.max_element();
+        if depth < 2 || brightest <= most { value } else { value * (most / brightest) }
+    }
+}
+
+impl<I> Default for Round<I> {
+    fn default() -> Self {
+        Self {
+            queries: Vec::with_capacity(TOGETHER),
+            paths: Vec::with_capacity(TOGETHER),
+            hits: Vec::with_capacity(TOGETHER),
+            shadows: Vec::with_capacity(TOGETHER),
+            tasks: Vec::with_capacity(TOGETHER),
+            told: Vec::new(),
+            blockers: Vec::with_capacity(TOGETHER),
+            spare: Spare::default(),
+            ended: Vec::with_capacity(TOGETHER),
+        }
+    }
+}

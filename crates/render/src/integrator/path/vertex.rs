@@ -1,0 +1,425 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! One step of a path: what its ray brings, what the surface there gets from a source, and where the path goes on.
+
+use dioptric_geometry::world::{Hit, Query};
+use dioptric_math::{DVec3, Spectrum, orthonormal_basis};
+use serde_json::{Value, json};
+
+use super::tell::{Told, What};
+use super::{Path, Paths, Round, Task};
+use crate::bsdf::{self, Bsdf, BsdfSample};
+use crate::integrator::media::{Medium, Sides};
+use crate::integrator::point::Point;
+use crate::integrator::record::record;
+use crate::integrator::recorder::Recorder;
+use crate::integrator::resolve::resolve;
+use crate::material::Optics;
+use crate::scene::{Answer, Scene};
+use crate::setting::render::LightSampling;
+use crate::source::shining;
+
+/// Bounces before chance may end a path.
+const SURE: u32 = 3;
+/// Who carries nearly all of its light goes on for sure but for this share: in a white room nothing else would end it.
+const MOST: f64 = 0.98;
+
+/// The frame of a point: z is the shading normal that faces the viewer.
+struct Frame {
+    x: DVec3,
+    y: DVec3,
+    z: DVec3,
+}
+
+impl Frame {
+    fn new(z: DVec3) -> Self {
+        let (x, y) = orthonormal_basis(z);
+        Self { x, y, z }
+    }
+
+    fn to_local(&self, v: DVec3) -> DVec3 {
+        DVec3::new(v.dot(self.x), v.dot(self.y), v.dot(self.z))
+    }
+
+    fn to_world(&self, v: DVec3) -> DVec3 {
+        self.x * v.x + self.y * v.y + self.z * v.z
+    }
+}
+
+/// A surface that a path has met, ready to scatter.
+struct Vertex<'a> {
+    point: Point<'a>,
+    frame: Frame,
+    /// Towards the viewer, in the frame.
+    wo: DVec3,
+    bsdf: Bsdf,
+    sides: Sides,
+    solid: bool,
+}
+
+/// The share of the first of two ways to find the same light, by their densities: the power heuristic with exponent 2
+/// (Veach and Guibas 1995, equation 14).
+fn share(own: f64, other: f64) -> f64 {
+    // A ratio: squares of densities may be too large for numbers.
+    let ratio = other / own;
+    1.0 / (1.0 + ratio * ratio)
+}
+
+/// What light counts that a path has met, by the densities with which its last surface sent it there and with which a
+/// question would have found it.
+fn share_of_path(how: LightSampling, path: f64, question: f64) -> f64 {
+    // Sharp surfaces ask nobody, and some light can't be asked for.
+    if path == f64::INFINITY || question == 0.0 {
+        return 1.0;
+    }
+    match how {
+        LightSampling::Both => share(path, question),
+        LightSampling::Lights => 0.0,
+        LightSampling::Surfaces => 1.0,
+    }
+}
+
+/// The same for light that a question has found. Sharp lights are found by nothing else.
+fn share_of_question(how: LightSampling, question: f64, path: f64) -> f64 {
+    if question == f64::INFINITY {
+        return 1.0;
+    }
+    match how {
+        LightSampling::Both => share(question, path),
+        LightSampling::Lights => 1.0,
+        LightSampling::Surfaces => 0.0,
+    }
+}
+
+impl<'a, R: Recorder> Paths<'a, '_, R> {
+    /// What a path's ray met; returns the path where it goes on, with its next ray.
+    pub(super) fn meet(
+        &mut self,
+        mut path: Path<R::Id>,
+        query: &Query,
+        hit: Option<Hit>,
+        round: &mut Round<R::Id>,
+    ) -> Option<(Path<R::Id>, Query)> {
+        let scene = self.scene;
+        let found = hit
+            .and_then(|hit| resolve(scene, &self.media, query, hit, path.inside, &mut round.spare));
+        let t = found.as_ref().map_or(f64::INFINITY, |(hit, _)| hit.t);
+        self.pass_lights(&path, query, t);
+        self.cross_space(&mut path, t);
+        let Some((hit, shading)) = found else {
+            self.recorder.note(path.id, "ended", || json!("outside of the scene"));
+            self.see_sky(&path, query);
+            return None;
+        };
+        let point = Point::new(&query.ray, hit, shading, query.departure().as_ref());
+        if path.depth == 0 {
+            self.radiances[path.sample as usize].first = point.first_hit(scene);
+            let medium = self.media.top(path.inside);
+            self.recorder.hit(path.id, || record(scene, &point, 0, medium));
+        }
+        let vertex = self.vertex(&path, point);
+        self.see_glow(&path, query, &vertex);
+        // The ray after the last bounce brings only what shines by itself: the other half of direct light.
+        let next = if path.depth > scene.settings.bounces {
+            self.recorder.note(path.id, "ended", || json!("at the limit of bounces"));
+            None
+        } else {
+            self.scatter(&path, &vertex, round)
+        };
+        if let Answer::Here(answer) = vertex.point.finish {
+            round.spare.push(answer);
+        }
+        next
+    }
+
+    /// Lights with a size that the ray passes: they are no objects. From the camera they are not seen, as in
+    /// Whitted's pictures.
+    fn pass_lights(&mut self, path: &Path<R::Id>, query: &Query, t: f64) {
+        if path.depth == 0 {
+            return;
+        }
+        let scene = self.scene;
+        scene.sources.passed(&query.ray, path.normal, t, |source, distance, radiance, density| {
+            let weight = share_of_path(scene.settings.light_sampling, path.density, density);
+            let clear = self.transmittance(path.inside, distance);
+            let value = path.throughput * clear * radiance * weight;
+            self.add(path, value, || Told::seen(What::Light(source), path.trail, weight));
+        });
+    }
+
+    /// The way to what the ray met.
+    fn cross_space(&mut self, path: &mut Path<R::Id>, t: f64) {
+        let left = self.transmittance(path.inside, t);
+        if let Some(fog) = self.scene.fog.as_ref().filter(|_| path.inside.is_none()) {
+            let glow = path.throughput * fog.color * (1.0 - fog.transmittance(t));
+            self.add(path, glow, || Told::seen(What::Fog, path.trail, 1.0));
+        }
+        path.throughput *= left;
+    }
+
+    fn see_sky(&mut self, path: &Path<R::Id>, query: &Query) {
+        let scene = self.scene;
+        let radiance = scene.background.radiance(query.ray.direction);
+        if radiance == Spectrum::ZERO {
+            return;
+        }
+        let (from, direction) = (query.ray.origin, query.ray.direction);
+        let question = if path.density == f64::INFINITY {
+            0.0
+        } else {
+            scene.sources.density_of_sky(from, path.normal, direction)
+        };
+        let weight = share_of_path(scene.settings.light_sampling, path.density, question);
+        self.add(path, path.throughput * radiance * weight, || {
+            Told::seen(What::Sky, path.trail, weight)
+        });
+    }
+
+    /// Light of the surface's own.
+    fn see_glow(&mut self, path: &Path<R::Id>, query: &Query, vertex: &Vertex) {
+        let point = &vertex.point;
+        let emission = shining(&point.finish, point.outside || !vertex.solid);
+        if emission == Spectrum::ZERO {
+            return;
+        }
+        let scene = self.scene;
+        let question = if path.density == f64::INFINITY {
+            0.0
+        } else {
+            let Query { ray, .. } = query;
+            scene.sources.density_of_hit(
+                scene,
+                ray.origin,
+                path.normal,
+                &point.hit,
+                &point.surface,
+                ray.direction,
+            )
+        };
+        let weight = share_of_path(scene.settings.light_sampling, path.density, question);
+        let what = What::Object(point.hit.id);
+        self.add(path, path.throughput * emission * weight, || {
+            Told::seen(what, path.trail, weight)
+        });
+    }
+
+    /// How the surface scatters, seen along the ray.
+    fn vertex(&mut self, path: &Path<R::Id>, point: Point<'a>) -> Vertex<'a> {
+        let solid = point.is_solid(self.scene);
+        let sides = match point.finish.optics {
+            Optics::Dielectric { ior, absorption, .. } => {
+                let medium = Medium { object: point.hit.id, ior, absorption };
+                self.media.sides(path.inside, &medium, point.outside, solid)
+            }
+            // Its index is relative to what is around it.
+            Optics::Shares { ior, absorption, .. } => {
+                let outer = self.media.leave(path.inside, &point.hit.id);
+                let ior = ior * self.media.ior(outer);
+                let medium = Medium { object: point.hit.id, ior, absorption };
+                self.media.sides(path.inside, &medium, point.outside, solid)
+            }
+            Optics::Opaque | Optics::Mirror { .. } => {
+                Sides { ior: [1.0; 2], near: path.inside, far: path.inside }
+            }
+        };
+        let frame = Frame::new(point.normal);
+        let wo = frame.to_local(-point.ray.direction);
+        let seen = bsdf::Sides {
+            eta: sides.ior[0] / sides.ior[1],
+            outside: point.outside || !solid,
+            solid,
+        };
+        let bsdf = Bsdf::new(&point.finish, &seen, wo);
+        Vertex { point, frame, wo, bsdf, sides, solid }
+    }
+
+    /// Asks a source, and goes on unless chance ends the path.
+    fn scatter(
+        &mut self,
+        path: &Path<R::Id>,
+        vertex: &Vertex,
+        round: &mut Round<R::Id>,
+    ) -> Option<(Path<R::Id>, Query)> {
+        let scene = self.scene;
+        let mut stream = path.stream;
+        let [pick_source, pick_lobe] = stream.next_2d();
+        if vertex.bsdf.is_sharp() {
+            stream.skip();
+        } else {
+            let u = stream.next_2d();
+            self.ask_source(path, vertex, pick_source, u, round);
+        }
+        let u = stream.next_2d();
+        let sampled = vertex.bsdf.sample(vertex.wo, pick_lobe, u);
+        let outgoing = sampled.and_then(|sample| Some((sample, vertex.outgoing(&sample)?)));
+        let Some((sample, (through, direction))) = outgoing.filter(|(sample, _)| {
+            let throughput = path.throughput * sample.weight;
+            throughput.max_element() > 0.0 && throughput.is_finite()
+        }) else {
+            self.recorder.also(path.id, "bounces", || vertex.told(scene, path.depth));
+            self.recorder.note(path.id, "ended", || json!("absorbed"));
+            return None;
+        };
+        let throughput = path.throughput * sample.weight;
+        let sharp = sample.pdf == f64::INFINITY;
+        let mut next = Path {
+            throughput,
+            density: sample.pdf,
+            normal: vertex.light_side(),
+            depth: path.depth + 1,
+            trail: path.trail.then(sharp),
+            ..*path
+        };
+        let leg = if through {
+            self.counts.refract += 1;
+            next.inside = vertex.sides.far;
+            if vertex.solid {
+                next.squeezed *= vertex.squeeze();
+            }
+            vertex.point.on(direction)
+        } else {
+            self.counts.reflect += 1;
+            next.inside = vertex.sides.near;
+            vertex.point.back(direction)
+        };
+        let mut goes_on = 1.0;
+        if next.depth > SURE {
+            let [chance, _] = stream.next_2d();
+            goes_on = (next.throughput.max_element() / next.squeezed).min(MOST);
+            if chance >= goes_on {
+                self.recorder.also(path.id, "bounces", || vertex.told(scene, path.depth));
+                self.recorder.note(path.id, "ended", || json!("by chance: it carried too little"));
+                return None;
+            }
+            next.throughput /= goes_on;
+        }
+        self.recorder.also(path.id, "bounces", || {
+            let how = match (through, sharp) {
+                (false, true) => "mirrors",
+                (false, false) => "scatters",
+                (true, true) => "lets through",
+                (true, false) => "lets through and scatters",
+            };
+            let mut told = vertex.told(scene, path.depth);
+            told["how"] = json!(how);
+            told["weight"] = json!(sample.weight.to_array());
+            if goes_on < 1.0 {
+                told["goes_on"] = json!(goes_on);
+            }
+            told
+        });
+        next.stream = stream;
+        Some((next, leg.query(f64::INFINITY)))
+    }
+
+    /// Picks a source and asks whether it is seen.
+    fn ask_source(
+        &mut self,
+        path: &Path<R::Id>,
+        vertex: &Vertex,
+        pick: f64,
+        u: [f64; 2],
+        round: &mut Round<R::Id>,
+    ) {
+        let scene = self.scene;
+        let point = &vertex.point;
+        let from = point.surface.point;
+        let Some(source) = scene.sources.sample(scene, from, vertex.light_side(), pick, u) else {
+            return;
+        };
+        let wi = vertex.frame.to_local(source.direction);
+        let front = point.geometric().dot(source.direction) > 0.0;
+        if front != (wi.z > 0.0) {
+            return;
+        }
+        let (scattered, density) = vertex.bsdf.eval_pdf(vertex.wo, wi);
+        if scattered == Spectrum::ZERO {
+            return;
+        }
+        let weight = share_of_question(scene.settings.light_sampling, source.pdf, density);
+        if weight == 0.0 {
+            return;
+        }
+        let inside = if front { vertex.sides.near } else { vertex.sides.far };
+        let clear = self.transmittance(inside, source.distance);
+        let value = path.throughput * scattered * source.value * clear * weight;
+        if !(value.max_element() > 0.0 && value.is_finite()) {
+            return;
+        }
+        let mut query = if front {
+            point.to_light()
+        } else {
+            point.on(source.direction).query(source.distance)
+        };
+        query.ray.direction = source.direction;
+        query.t_max = source.distance;
+        let value = self.clamped(path.depth + 1, value);
+        round.shadows.push(query);
+        let sharp = source.pdf == f64::INFINITY;
+        round.tasks.push(Task { sample: path.sample, id: path.id, value, sharp });
+        if R::ENABLED {
+            let told =
+                Told::asked(What::Light(source.source), path.trail.then(false), weight, value);
+            round.told.push(told);
+        }
+    }
+}
+
+impl Vertex<'_> {
+    /// Whether a sample goes through the surface, and its direction; nothing where a bent normal sends it to the
+    /// wrong side. Sharp ones are turned at the true surface instead.
+    fn outgoing(&self, sample: &BsdfSample) -> Option<(bool, DVec3)> {
+        let through = sample.wi.z < 0.0;
+        let direction = self.frame.to_world(sample.wi);
+        let geometric = self.point.geometric();
+        let height = direction.dot(geometric);
+        if (height < 0.0) == through && height != 0.0 {
+            return Some((through, direction));
+        }
+        let sharp = sample.pdf == f64::INFINITY;
+        (sharp && height != 0.0).then(|| (through, direction - geometric * (2.0 * height)))
+    }
+
+    /// The normal of the side from which light is wanted; none where it is from both.
+    fn light_side(&self) -> Option<DVec3> {
+        (!self.bsdf.is_translucent()).then_some(self.point.normal)
+    }
+
+    /// The surface, for `why`.
+    fn told(&self, scene: &Scene, depth: u32) -> Value {
+        let point = &self.point;
+        json!({
+            "bounce": depth,
+            "object": scene.object_label(point.hit.id),
+            "source": scene.object_source(point.hit.id),
+            "t": point.hit.t,
+            "point": point.surface.point.to_array(),
+            "normal": point.normal.to_array(),
+        })
+    }
+
+    /// What going through does to radiance: the ratio of the indices squared.
+    fn squeeze(&self) -> f64 {
+        let eta = self.sides.ior[0] / self.sides.ior[1];
+        eta * eta
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_ways_to_find_light_add_up_to_one() {
+        for how in [LightSampling::Both, LightSampling::Lights, LightSampling::Surfaces] {
+            for (path, question) in [(1.0, 1.0), (1e-3, 5.0), (1e200, 1e-200), (3.0, 1e300)] {
+                let sum =
+                    share_of_path(how, path, question) + share_of_question(how, question, path);
+                assert!((sum - 1.0).abs() < 1e-12, "{how:?} {path} {question}: {sum}");
+            }
+            assert_eq!(share_of_path(how, f64::INFINITY, 2.0), 1.0);
+            assert_eq!(share_of_path(how, 2.0, 0.0), 1.0);
+            assert_eq!(share_of_question(how, f64::INFINITY, 2.0), 1.0);
+        }
+        assert!(share_of_path(LightSampling::Both, 10.0, 1.0) > 0.99);
+    }
+}

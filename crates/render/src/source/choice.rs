@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Which source to look for: by about what each sends to the point.
+
+use dioptric_math::DVec3;
+
+use super::emitter::Emitter;
+use super::tree::{Entry, Tree};
+
+/// How much of the chance does not go by what a source sends to the point: an estimate knows nothing of what is in
+/// between. Few sources that can send something share it alike, many by what they send altogether.
+const EVEN: f64 = 0.1;
+/// So many are asked one by one.
+const FEW: usize = 32;
+
+/// Sources, and the chance of each at each point.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Choice {
+    emitters: Vec<Emitter>,
+    /// Those that are asked one by one.
+    single: Vec<u32>,
+    /// All others, if there are many.
+    tree: Tree,
+    /// What each in the tree sends altogether, added up, and which it is.
+    powers: Vec<(f64, u32)>,
+}
+
+/// What the sources that are asked one by one send together, and the tree.
+#[derive(Clone, Copy)]
+struct Total {
+    weight: f64,
+    count: f64,
+    tree: f64,
+}
+
+impl Total {
+    fn chance(&self, weight: f64) -> f64 {
+        if weight > 0.0 { (1.0 - EVEN) * (weight / self.weight) + EVEN / self.count } else { 0.0 }
+    }
+}
+
+impl Choice {
+    pub fn new(emitters: Vec<Emitter>) -> Self {
+        let all = 0..emitters.len() as u32;
+        let entries = emitters.iter().zip(all.clone());
+        let entries: Vec<Entry> = entries
+            .filter_map(|(e, emitter)| e.reach().map(|reach| Entry { reach, emitter }))
+            .collect();
+        if entries.len() <= FEW {
+            return Self { emitters, single: all.collect(), ..Self::default() };
+        }
+        let mut sum = 0.0;
+        let powers = entries.iter().map(|e| {
+            sum += e.reach.power;
+            (sum, e.emitter)
+        });
+        let powers = powers.collect();
+        let tree = Tree::new(entries);
+        let single = all.filter(|&e| !tree.has(e)).collect();
+        Self { emitters, single, tree, powers }
+    }
+
+    pub fn emitter(&self, emitter: u32) -> Option<&Emitter> {
+        self.emitters.get(emitter as usize)
+    }
+
+    fn weight(&self, source: u32, point: DVec3, normal: Option<DVec3>) -> f64 {
+        self.emitters.get(source as usize).map_or(0.0, |e| e.weight(point, normal))
+    }
+
+    /// What all send together; `keep` gets the weights of the first ones that are asked one by one.
+    fn total(&self, point: DVec3, normal: Option<DVec3>, keep: &mut [f64]) -> Total {
+        let tree = self.tree.weight(point, normal);
+        let mut total = Total { weight: tree, count: if tree > 0.0 { 1.0 } else { 0.0 }, tree };
+        for (i, &source) in self.single.iter().enumerate() {
+            let weight = self.weight(source, point, normal);
+            if let Some(kept) = keep.get_mut(i) {
+                *kept = weight;
+            }
+            if weight > 0.0 {
+                total.weight += weight;
+                total.count += 1.0;
+            }
+        }
+        total
+    }
+
+    /// The source that a number in `[0, 1)` picks, and its chance.
+    pub fn pick(&self, point: DVec3, normal: Option<DVec3>, pick: f64) -> Option<(u32, f64)> {
+        if let [only] = self.emitters.as_slice() {
+            return (only.weight(point, normal) > 0.0).then_some((0, 1.0));
+        }
+        let mut weights = [0.0; FEW];
+        let total = self.total(point, normal, &mut weights);
+        let mut rest = pick;
+        let mut last = None;
+        for (i, &source) in self.single.iter().enumerate() {
+            let known = weights.get(i).copied();
+            let weight = known.unwrap_or_else(|| self.weight(source, point, normal));
+            let chance = total.chance(weight);
+            if chance > 0.0 {
+                last = Some((source, chance));
+                if rest < chance {
+                    return last;
+                }
+                rest -= chance;
+            }
+        }
+        let chance = total.chance(total.tree);
+        if chance > 0.0 {
+            self.pick_of_many(point, normal, (rest / chance).min(1.0), chance)
+        } else {
+            last
+        }
+    }
+
+    /// The chance of a source.
+    pub fn chance(&self, point: DVec3, normal: Option<DVec3>, source: u32) -> f64 {
+        if self.emitters.len() == 1 {
+            return if self.weight(source, point, normal) > 0.0 { 1.0 } else { 0.0 };
+        }
+        if self.tree.has(source) {
+            let total = self.total(point, normal, &mut []);
+            return total.chance(total.tree) * self.chance_of_many(point, normal, source);
+        }
+        let weight = self.weight(source, point, normal);
+        if weight > 0.0 { self.total(point, normal, &mut []).chance(weight) } else { 0.0 }
+    }
+
+    /// One of those in the tree.
+    fn pick_of_many(
+        &self,
+        point: DVec3,
+        normal: Option<DVec3>,
+        pick: f64,
+        chance: f64,
+    ) -> Option<(u32, f64)> {
+        let (source, by_place) = if pick < EVEN {
+            let at = pick / EVEN * self.powers.last()?.0;
+            let i = self.powers.partition_point(|&(sum, _)| sum <= at);
+            let source = self.powers.get(i)?.1;
+            (source, self.tree.chance(&self.emitters, point, normal, source))
+        } else {
+            let rest = (pick - EVEN) / (1.0 - EVEN);
+            self.tree.pick(&self.emitters, point, normal, rest)?
+        };
+        let own = (1.0 - EVEN) * by_place + EVEN * self.share_of_power(source);
+        (own > 0.0).then_some((source, own * chance))
+    }
+
+    fn chance_of_many(&self, point: DVec3, normal: Option<DVec3>, source: u32) -> f64 {
+        let by_place = self.tree.chance(&self.emitters, point, normal, source);
+        (1.0 - EVEN) * by_place + EVEN * self.share_of_power(source)
+    }
+
+    /// What it sends altogether, of all in the tree.
+    fn share_of_power(&self, source: u32) -> f64 {
+        // The powers lie in the order of the sources.
+        let i = self.powers.partition_point(|&(_, e)| e < source);
+        let before = if i > 0 { self.powers[i - 1].0 } else { 0.0 };
+        let (Some(own), Some(all)) = (self.powers.get(i), self.powers.last()) else { return 0.0 };
+        (own.0 - before) / all.0
+    }
+}

@@ -1,0 +1,337 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Flat faces with straight sides, found uniformly over the solid angle that they fill.
+//!
+//! Everything is worked out from differences of corners that stay exact far away, so that a face that fills
+//! 1e-20 of the sky is sampled as well as one that fills half of it.
+
+use dioptric_math::bounds::gamma;
+use dioptric_math::{DVec3, atan2, normalize, sin, sin_cos};
+
+use super::patch::Found;
+
+/// A triangle, or a rectangle (right-angled).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Face {
+    corner: DVec3,
+    edges: [DVec3; 2],
+    /// The product of the edges, and the unit vector along it.
+    span: DVec3,
+    normal: DVec3,
+    /// Unit vectors along the edges, and how long these are.
+    axes: [DVec3; 2],
+    lengths: [f64; 2],
+    is_triangle: bool,
+    /// Which part of the object it is.
+    part: u32,
+}
+
+impl Face {
+    /// The triangle between two edges that leave a corner; `None` where they span nothing.
+    pub fn triangle(corner: DVec3, edges: [DVec3; 2], part: u32) -> Option<Self> {
+        let span = edges[0].cross(edges[1]);
+        let normal = normalize(span)?;
+        let axes = [normalize(edges[0])?, normalize(edges[1])?];
+        let lengths = edges.map(DVec3::length);
+        let known = corner.is_finite() && span.is_finite();
+        let is_triangle = true;
+        known.then_some(Self { corner, edges, span, normal, axes, lengths, is_triangle, part })
+    }
+
+    /// Pushes a parallelogram: one face if it is a rectangle, else two.
+    pub fn parallelogram(corner: DVec3, edges: [DVec3; 2], part: u32, out: &mut Vec<Self>) {
+        let [u, v] = edges;
+        if u.dot(v).abs() <= 1e-13 * u.length() * v.length() {
+            out.extend(
+                Self::triangle(corner, edges, part).map(|f| Self { is_triangle: false, ..f }),
+            );
+        } else {
+            out.extend(Self::triangle(corner, [u, u + v], part));
+            out.extend(Self::triangle(corner, [u + v, v], part));
+        }
+    }
+
+    /// All corners.
+    pub fn corners(&self) -> impl Iterator<Item = DVec3> + Clone {
+        let (c, [u, v]) = (self.corner, self.edges);
+        let rectangle = (!self.is_triangle).then_some(c + u + v);
+        [c, c + u, c + v].into_iter().chain(rectangle)
+    }
+
+    /// A point, uniform over the area.
+    pub fn point(&self, u: [f64; 2]) -> DVec3 {
+        let [mut a, mut b] = u;
+        if self.is_triangle && a + b > 1.0 {
+            (a, b) = (1.0 - a, 1.0 - b);
+        }
+        self.corner + self.edges[0] * a + self.edges[1] * b
+    }
+
+    pub fn area(&self) -> f64 {
+        let whole = self.span.length();
+        if self.is_triangle { 0.5 * whole } else { whole }
+    }
+
+    pub const fn part(&self) -> u32 {
+        self.part
+    }
+
+    pub const fn normal(&self) -> DVec3 {
+        self.normal
+    }
+
+    /// The way to its plane along the normal; `None` from points in it, within rounding.
+    fn height(&self, point: DVec3) -> Option<f64> {
+        let height = (self.corner - point).dot(self.normal);
+        let rounding = gamma(32) * (self.corner.abs().max_element() + point.abs().max_element());
+        (height.abs() > rounding).then_some(height)
+    }
+
+    /// The face as it is seen from a point at a height.
+    fn seen(&self, point: DVec3, height: f64) -> Option<Seen> {
+        let a = self.corner - point;
+        let ([e, f], det) = (self.edges, height.abs() * self.span.length());
+        let (b, c) = (a + e, a + f);
+        let mut lengths = [0.0; 2];
+        let whole = if self.is_triangle {
+            solid_angle([a, b, c], det)
+        } else {
+            // The two halves: their half angles are those of two complex numbers, and of their product together.
+            let d = b + f;
+            let [i, j, k, l] = [a, b, c, d].map(DVec3::length);
+            lengths = [i, k];
+            let (ad, diagonal) = (a.dot(d), i * l);
+            let first = (diagonal + ad) * j + a.dot(b) * l + b.dot(d) * i;
+            let second = (diagonal + ad) * k + a.dot(c) * l + c.dot(d) * i;
+            let (re, im) = (first * second - det * det, (det * (first + second)).max(0.0));
+            if re.is_finite() && im > f64::MIN_POSITIVE {
+                2.0 * atan2(im, re)
+            } else {
+                solid_angle([a, b, d], det) + solid_angle([a, d, c], det)
+            }
+        };
+        let usable = whole > 0.0 && whole.is_finite();
+        usable.then_some(Seen { a, height, det, lengths, solid_angle: whole })
+    }
+
+    /// The part of the face in one of the directions in which it is seen, uniform over them.
+    fn sample(&self, seen: &Seen, u: [f64; 2]) -> Option<Found> {
+        let ([e, f], a) = (self.edges, seen.a);
+        let direction = if self.is_triangle {
+            in_triangle([a, a + e, a + f], [e, f], seen, u)?
+        } else if seen.solid_angle > 1e-3 {
+            self.in_rectangle(seen, u)?
+        } else {
+            // The two halves, each in proportion.
+            let d = e + f;
+            let first = solid_angle([a, a + e, a + d], seen.det) / seen.solid_angle;
+            if u[0] < first {
+                let half = Seen { solid_angle: first * seen.solid_angle, ..*seen };
+                in_triangle([a, a + e, a + d], [e, d], &half, [u[0] / first, u[1]])?
+            } else {
+                let half = Seen { solid_angle: (1.0 - first) * seen.solid_angle, ..*seen };
+                let rest = (u[0] - first) / (1.0 - first);
+                in_triangle([a, a + d, a + f], [d, f], &half, [rest, u[1]])?
+            }
+        };
+        let distance = seen.height / direction.dot(self.normal);
+        (distance > 0.0 && distance.is_finite()).then_some(Found {
+            direction,
+            distance,
+            normal: self.normal,
+            density: 1.0 / seen.solid_angle,
+            part: self.part,
+        })
+    }
+
+    /// Ureña, Fajardo and King, "An Area-Preserving Parametrization for Spherical Rectangles", EGSR 2013,
+    /// section 4.
+    fn in_rectangle(&self, seen: &Seen, u: [f64; 2]) -> Option<DVec3> {
+        let ([x, y], [width, height]) = (self.axes, self.lengths);
+        // Seen along -z.
+        let z = if seen.height > 0.0 { -self.normal } else { self.normal };
+        let z0 = -seen.height.abs();
+        let (x0, y0) = (seen.a.dot(x), seen.a.dot(y));
+        let (x1, y1) = (x0 + width, y0 + height);
+        let (r0, r1) = ((y0 * y0 + z0 * z0).sqrt(), (y1 * y1 + z0 * z0).sqrt());
+        // Heights of the unit normals of the planes through the sides of y0 and y1.
+        let (b0, b1) = (-y0 / r0, y1 / r1);
+        // k is a whole turn less the angles at the corners (x0, y1) and (x0, y0) between the planes: those of two
+        // complex numbers, so that their product has its cosine and its sine.
+        let [l0, l1] = seen.lengths;
+        let unit = 1.0 / (r0 * r1 * (x0 * x0 + z0 * z0));
+        let cos_k = -(x0 * x0 * y0 * y1 + z0 * z0 * l0 * l1) * unit;
+        let sin_k = z0 * x0 * (y1 * l0 - y0 * l1) * unit;
+        let (s, c) = sin_cos(u[0] * seen.solid_angle);
+        let (sin_a, cos_a) = (s * cos_k + c * sin_k, c * cos_k - s * sin_k);
+        let fu = (cos_a * b0 - b1) / sin_a;
+        // 1 - b0^2, without its cancellation.
+        let flat = z0 / r0;
+        let root = (fu * fu - flat * flat).max(0.0).sqrt();
+        let xu = (-z0 / root).copysign(fu).clamp(x0, x1);
+        let d2 = xu * xu + z0 * z0;
+        let (h0, h1) = (y0 / (d2 + y0 * y0).sqrt(), y1 / (d2 + y1 * y1).sqrt());
+        let h = h0 + u[1] * (h1 - h0);
+        let yv = (h * (d2 / (1.0 - h * h).max(f64::MIN_POSITIVE)).sqrt()).clamp(y0, y1);
+        normalize(x * xu + y * yv + z * z0)
+    }
+}
+
+/// A face from a point.
+#[derive(Clone, Copy)]
+struct Seen {
+    /// The way to the first corner.
+    a: DVec3,
+    /// The way to the plane along the normal.
+    height: f64,
+    /// Six times the volume between the point and the triangle of the edges, without sign.
+    det: f64,
+    /// Of a rectangle: the lengths of the ways to the first corner and to the one along the second edge.
+    lengths: [f64; 2],
+    solid_angle: f64,
+}
+
+/// The solid angle of a triangle whose corners are at these ways, `det` being `|a . (b x c)|` (van Oosterom and
+/// Strackee, "The Solid Angle of a Plane Triangle", IEEE Trans. Biomed. Eng. 30(2), 1983).
+fn solid_angle([a, b, c]: [DVec3; 3], det: f64) -> f64 {
+    let [i, j, k] = [a, b, c].map(DVec3::length);
+    2.0 * atan2(det, i * j * k + a.dot(b) * k + a.dot(c) * j + b.dot(c) * i)
+}
+
+/// A direction of a triangle, uniform over its solid angle (Arvo, "Stratified Sampling of Spherical Triangles",
+/// SIGGRAPH 1995). `edges` lead from corner `a` to the others.
+///
+/// The area `w` of the part of the triangle up to the direction's great circle through `b` fixes the point C of
+/// the side `a c` on that circle. Arvo's formula for the cosine of its way from `a` loses all digits for small
+/// triangles; one minus it is, by the sums of sines and cosines,
+/// `2 s^2 (2 - h) / (2 s^2 + h sin(A) sin(A - w))` with `s = sin(w / 2)`, the angle A at `a`, and
+/// `h = 1 - cos` of the side `a b`.
+fn in_triangle(
+    [a, b, c]: [DVec3; 3],
+    edges: [DVec3; 2],
+    seen: &Seen,
+    u: [f64; 2],
+) -> Option<DVec3> {
+    let [ua, ub] = [normalize(a)?, normalize(b)?];
+    let [tb, tc] = edges.map(|e| e - ua * ua.dot(e));
+    let angle = atan2(seen.det / a.length(), tb.dot(tc));
+    let (sin_angle, w) = (sin(angle), u[0] * seen.solid_angle);
+    let along = ua.dot(ub);
+    let h = if along > 0.0 {
+        let sine = ua.cross(edges[0]).length() / b.length();
+        sine * sine / (1.0 + along)
+    } else {
+        1.0 - along
+    };
+    let s = sin(0.5 * w);
+    let below = 2.0 * s * s + h * sin_angle * sin(angle - w);
+    let up = if below > 0.0 { 2.0 * s * s * (2.0 - h) / below } else { 0.0 };
+    // No further than to c.
+    let end = if ua.dot(normalize(c)?) > 0.0 { 1.0 } else { 2.0 };
+    let up = up.clamp(0.0, end);
+    let on_side = ua * (1.0 - up) + normalize(tc)? * (up * (2.0 - up)).sqrt();
+    let away = u[1] * 0.5 * (on_side - ub).length_squared();
+    let out = on_side - ub * ub.dot(on_side);
+    let direction = match normalize(out) {
+        Some(out) => ub * (1.0 - away) + out * (away * (2.0 - away)).max(0.0).sqrt(),
+        None => ub,
+    };
+    normalize(direction)
+}
+
+/// Some faces: two halves of a parallelogram, or all of a convex solid.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Faces {
+    faces: Vec<Face>,
+    /// Whether they enclose a convex solid, their normals outward: then those that face away from a point
+    /// outside are behind the others.
+    closed: bool,
+}
+
+/// The most that are looked at for each sample.
+pub(super) const MOST: usize = 16;
+
+impl Faces {
+    /// `None` where there are none or too many.
+    pub fn new(faces: Vec<Face>, closed: bool) -> Option<Self> {
+        (!faces.is_empty() && faces.len() <= MOST).then_some(Self { faces, closed })
+    }
+
+    /// The faces of a convex solid, their edges put in the order that makes their normals point outwards.
+    pub fn solid(mut faces: Vec<Face>) -> Option<Self> {
+        let corners = faces.iter().flat_map(Face::corners);
+        let (sum, count) = corners.fold((DVec3::ZERO, 0.0), |(s, n), c| (s + c, n + 1.0));
+        for face in &mut faces {
+            if (face.corner - sum / count).dot(face.normal) < 0.0 {
+                face.edges.reverse();
+                (face.span, face.normal) = (-face.span, -face.normal);
+            }
+        }
+        Self::new(faces, true)
+    }
+
+    pub fn faces(&self) -> &[Face] {
+        &self.faces
+    }
+
+    pub fn area(&self) -> f64 {
+        self.faces.iter().map(Face::area).sum()
+    }
+
+    /// A point, uniform over the area, its normal and part.
+    pub fn point(&self, u: [f64; 2]) -> Option<(DVec3, DVec3, u32)> {
+        let mut rest = u[0] * self.area();
+        for face in &self.faces {
+            let own = face.area();
+            if rest < own {
+                return Some((face.point([rest / own, u[1]]), face.normal, face.part));
+            }
+            rest -= own;
+        }
+        None
+    }
+
+    /// The faces that a point sees, and all their solid angle.
+    fn seen(&self, point: DVec3) -> ([Option<Seen>; MOST], f64) {
+        let mut heights = [None; MOST];
+        let mut outside = false;
+        for (height, face) in heights.iter_mut().zip(&self.faces) {
+            *height = face.height(point);
+            outside |= self.closed && height.is_some_and(|h| h < 0.0);
+        }
+        let mut all = [None; MOST];
+        let mut sum = 0.0;
+        for ((seen, face), height) in all.iter_mut().zip(&self.faces).zip(heights) {
+            *seen = height.filter(|&h| !outside || h < 0.0).and_then(|h| face.seen(point, h));
+            sum += seen.map_or(0.0, |s: Seen| s.solid_angle);
+        }
+        (all, sum)
+    }
+
+    pub fn sample(&self, point: DVec3, u: [f64; 2]) -> Option<Found> {
+        if let [face] = self.faces.as_slice() {
+            return face.sample(&face.seen(point, face.height(point)?)?, u);
+        }
+        let (all, sum) = self.seen(point);
+        let mut rest = u[0] * sum;
+        for (seen, face) in all.iter().zip(&self.faces) {
+            let Some(seen) = seen else { continue };
+            if rest < seen.solid_angle {
+                let found = face.sample(seen, [rest / seen.solid_angle, u[1]])?;
+                return Some(Found { density: 1.0 / sum, ..found });
+            }
+            rest -= seen.solid_angle;
+        }
+        None
+    }
+
+    pub fn density(&self, point: DVec3) -> f64 {
+        let sum = match self.faces.as_slice() {
+            [face] => {
+                let seen = face.height(point).and_then(|h| face.seen(point, h));
+                seen.map_or(0.0, |s| s.solid_angle)
+            }
+            _ => self.seen(point).1,
+        };
+        if sum > 0.0 { 1.0 / sum } else { 0.0 }
+    }
+}
