@@ -11,7 +11,7 @@ use dioptric_geometry::shapes::plane::Plane;
 use dioptric_geometry::shapes::polygon::Polygon;
 use dioptric_geometry::shapes::sphere::Sphere;
 use dioptric_geometry::shapes::triangle::Triangle;
-use dioptric_geometry::world::{Hit, Query, Rays};
+use dioptric_geometry::world::{Hit, Passages, Query, Rays};
 use dioptric_geometry::{AnyShape, Contacts, Departure, Ray, SurfacePoint, World, WorldBuilder};
 use dioptric_math::random::Random;
 use dioptric_math::{DAffine3, DMat3, DVec3, cos, normalize, sin};
@@ -56,6 +56,18 @@ fn compare_bundles(world: &World, queries: &[Query], hits: &[Option<Hit>], block
     for (i, hit) in hits.iter().enumerate() {
         assert_eq!(found[i / 16].best(i % 16), *hit, "{i}");
         assert_eq!(rays.bundles()[i / 16].query(i % 16).contacts(), queries[i].contacts());
+    }
+    let (mut passages, mut all) = (Passages::default(), Vec::new());
+    for (at, bundle) in rays.bundles().iter().enumerate() {
+        let wanted = [u16::MAX, 0x5a17][at % 2];
+        world.hits_of_rays(bundle, wanted, &mut passages);
+        for (lane, query) in queries.iter().enumerate().skip(16 * at).take(16) {
+            world.hits(&query.ray, query.t_max, query.departure().as_ref(), &mut all);
+            if wanted & 1 << (lane % 16) == 0 {
+                all.clear();
+            }
+            assert!(passages.of(lane % 16).eq(&all), "{lane}: {query:?}");
+        }
     }
     // All, some and few of each sixteen.
     for wanted in [u16::MAX, 0b1010_1010_1010_1010, 0b100_0000_0000_0001] {

@@ -107,6 +107,21 @@ macro_rules! registry {
                 }
             }
 
+            /// Whether it lies in a plane: a straight line passes it at most once, and a ray that leaves it hits it no
+            /// more.
+            #[inline]
+            #[must_use]
+            pub const fn is_flat(&self) -> bool {
+                matches!(
+                    self,
+                    Self::Triangle(_)
+                        | Self::Polygon(_)
+                        | Self::Rectangle(_)
+                        | Self::Disc(_)
+                        | Self::Plane(_)
+                )
+            }
+
             /// See [`Shape::intersect`].
             #[inline]
             #[must_use]

@@ -145,16 +145,8 @@ impl World {
         walk.found.t = bundle.t_max;
         let Some(level) = self.levels.first() else { return };
         let Some(objects) = self.objects.get(level.first..) else { return };
-        let mut packet = Packet::empty();
-        let b = bundle;
-        packet.fill::<R>(&b.origin, &b.direction, &b.t_max, &b.error, &level.bvh);
-        let mut usable = rays;
-        for lane in 0..LANES {
-            let negative = !(bundle.error[lane] >= 0.0 && bundle.t_max[lane] >= 0.0);
-            usable &= !(Mask::from(negative) << lane);
-        }
-        let reach = (level.reach.amplify, level.reach.extent);
-        let mut together = packet.finish::<R>(&level.bvh, reach) & usable;
+        let (mut packet, fit) = level.packet::<R>(bundle);
+        let mut together = rays & fit;
         let mut alone = rays & !together;
         while alone != 0 {
             // What is too large or too small for single precision.
@@ -264,6 +256,23 @@ impl World {
                 walk.found.keep(lane, hit);
             }
         }
+    }
+}
+
+impl Level {
+    /// The rays of a bundle in single precision, and which of them may walk so: others are too large or too small.
+    #[inline(always)]
+    pub(super) fn packet<R: Rows>(&self, bundle: &Bundle) -> (Packet, Mask) {
+        let mut packet = Packet::empty();
+        let Bundle { origin, direction, t_max, error, .. } = bundle;
+        packet.fill::<R>(origin, direction, t_max, error, &self.bvh);
+        let mut fit = Mask::MAX;
+        for lane in 0..LANES {
+            fit &= !(Mask::from(!(error[lane] >= 0.0 && t_max[lane] >= 0.0)) << lane);
+        }
+        let reach = (self.reach.amplify, self.reach.extent);
+        fit &= packet.finish::<R>(&self.bvh, reach);
+        (packet, fit)
     }
 }
 

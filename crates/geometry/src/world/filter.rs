@@ -59,12 +59,15 @@ pub(super) struct Left {
 }
 
 impl Left {
+    /// No object.
+    pub const NOTHING: Self = Self { object: Row::splat(f32::NAN), outward: 0 };
+
     /// From objects and whether they are left outwards.
     #[inline(always)]
     pub fn of(departures: impl Iterator<Item = Option<(u32, bool)>>) -> Self {
         // Larger numbers would be rounded.
         const EXACT: u32 = 1 << 24;
-        let mut left = Self { object: Row::splat(f32::NAN), outward: 0 };
+        let mut left = Self::NOTHING;
         for (lane, (object, outward)) in departures.enumerate().filter_map(|(i, d)| Some((i, d?))) {
             if object < EXACT {
                 left.object.0[lane % LANES] = object as f32;
@@ -91,10 +94,7 @@ impl Filter {
     /// transform.
     pub fn new(shape: &AnyShape, placed: &Bounds, moved: bool, center: DVec3) -> Self {
         let gone = match shape {
-            AnyShape::Triangle(_)
-            | AnyShape::Polygon(_)
-            | AnyShape::Rectangle(_)
-            | AnyShape::Disc(_) => Gone::All,
+            _ if shape.is_flat() => Gone::All,
             _ if shape.is_convex() => Gone::Outward,
             _ => Gone::None,
         };

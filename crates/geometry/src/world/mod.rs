@@ -27,6 +27,7 @@ use crate::transform::Transform;
 
 pub use builder::{GroupId, PlacementError, WorldBuilder};
 pub use cast::each;
+pub use passages::Passages;
 pub use rays::{Bundle, Found, Leave, Query, Rays, Sixteen};
 
 /// Marks objects and instances without a transform.

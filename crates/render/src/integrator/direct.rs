@@ -4,7 +4,7 @@
 //!
 //! The points of a round are lit side by side, one light after the other: [`super::lit`] does the sums.
 
-use dioptric_geometry::world::Found;
+use dioptric_geometry::world::{Found, Passages};
 use dioptric_math::Spectrum;
 use dioptric_math::wide::wide;
 use serde_json::json;
@@ -33,6 +33,7 @@ pub(super) struct Scratch {
     /// Rays that are cast, and what they find.
     wanted: Vec<u16>,
     found: Vec<Found>,
+    passages: Passages,
     sums: Vec<Sum>,
     told: Vec<Told>,
 }
@@ -152,7 +153,7 @@ impl<R: Recorder> Whitted<'_, '_, R> {
 
     /// Asks a light what it sends to the points, and finds out what is between.
     fn ask(&mut self, points: &[Met], asked: Asked, lit: &mut Lit, scratch: &mut Scratch) {
-        let Scratch { parts, between, wanted, found, told, .. } = scratch;
+        let Scratch { parts, between, wanted, found, passages, told, .. } = scratch;
         fall(asked, lit, parts, between);
         if R::ENABLED {
             for (at, between) in between.iter().enumerate() {
@@ -197,13 +198,18 @@ impl<R: Recorder> Whitted<'_, '_, R> {
             (between.passed, between.tinted) = (between.bright & !found.hit, false);
             let block = &mut lit.blocks[at];
             if shadows == Shadows::Tinted {
+                let mut shaded = found.hit;
                 for lane in lanes(found.hit) {
-                    if scene.is_opaque(found.ids[lane]) {
-                        continue;
-                    }
+                    shaded &= !(u16::from(scene.is_opaque(found.ids[lane])) << lane);
+                }
+                if shaded != 0 {
+                    scene.world.hits_of_rays(&lit.rays.bundles()[at], shaded, passages);
+                }
+                for lane in lanes(shaded) {
                     let query = lit.rays.bundles()[at].query(lane);
-                    let visibility = Leg::of(&query)
-                        .map_or(Spectrum::ONE, |leg| scene.tinted(&leg, query.t_max));
+                    let visibility = Leg::of(&query).map_or(Spectrum::ONE, |leg| {
+                        scene.tinted_by(&leg, query.t_max, passages.of(lane))
+                    });
                     if visibility != Spectrum::ZERO {
                         if !between.tinted {
                             between.tinted = true;

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What lies between a point and a light, and how much of the light each thing lets pass.
 
-use std::cell::Cell;
-
 use dioptric_geometry::world::Hit;
 use dioptric_math::Spectrum;
 
@@ -11,16 +9,25 @@ use super::point::{Leg, touches};
 use crate::material::{Finish, Optics};
 use crate::scene::Scene;
 
-thread_local! {
-    /// Memory of [`Scene::passages`].
-    static HITS: Cell<Vec<Hit>> = const { Cell::new(Vec::new()) };
-}
-
 impl Scene {
     /// What of a light passes through all that lies before `distance`.
     pub(super) fn tinted(&self, leg: &Leg, distance: f64) -> Spectrum {
+        let mut hits = Vec::new();
+        self.world.hits(&leg.ray, distance, Some(&leg.departure), &mut hits);
+        self.tinted_by(leg, distance, hits.iter())
+    }
+
+    /// The same where the passages are known: those of [`World::hits`].
+    ///
+    /// [`World::hits`]: dioptric_geometry::World::hits
+    pub(super) fn tinted_by<'a>(
+        &self,
+        leg: &Leg,
+        distance: f64,
+        hits: impl Iterator<Item = &'a Hit> + Clone,
+    ) -> Spectrum {
         let mut passed = Spectrum::ONE;
-        self.passages(leg, distance, |_, factor| {
+        self.passages(leg, distance, hits, |_, factor| {
             passed *= factor;
             passed != Spectrum::ZERO
         });
@@ -33,17 +40,15 @@ impl Scene {
     ///
     /// A solid counts once, where the ray enters it, or leaves it if it starts inside; where it leaves, with
     /// the absorption of the way through. An open surface counts each time.
-    pub(super) fn passages(
+    pub(super) fn passages<'a>(
         &self,
         leg: &Leg,
         distance: f64,
+        hits: impl Iterator<Item = &'a Hit> + Clone,
         mut each: impl FnMut(&Hit, Spectrum) -> bool,
     ) {
-        // Used again: asking for memory would take as long as the query.
-        let mut hits = HITS.take();
-        self.world.hits(&leg.ray, distance, Some(&leg.departure), &mut hits);
         let ray = &leg.ray;
-        for (i, hit) in hits.iter().enumerate().filter(|(_, h)| h.t < distance) {
+        for (i, hit) in hits.clone().enumerate().filter(|(_, h)| h.t < distance) {
             let Some(shading) = self.shading(ray, hit) else { continue };
             let own = hit.id.same_object(&leg.departure.from);
             if !own && !leg.contacts.crosses(&hit.id) && touches(ray, hit, &shading.surface) {
@@ -55,7 +60,8 @@ impl Scene {
             let passed = if !solid || enters {
                 finish.shadow_pass
             } else {
-                let entry = hits[..i].iter().rev().find(|h| h.id.same_object(&hit.id));
+                let before = hits.clone().take(i);
+                let entry = before.filter(|h| h.id.same_object(&hit.id)).last();
                 // The way out costs nothing more, unless it is through another part, which is opaque.
                 let counted = entry.is_some() && finish.shadow_pass != Spectrum::ZERO;
                 let surface = if counted { Spectrum::ONE } else { finish.shadow_pass };
@@ -65,7 +71,6 @@ impl Scene {
                 break;
             }
         }
-        HITS.set(hits);
     }
 
     /// What a way inside of an object leaves of light, `t` in the space of rays.

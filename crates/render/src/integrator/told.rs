@@ -51,7 +51,9 @@ impl<R: Recorder> Whitted<'_, '_, R> {
         };
         let mut met: Vec<Blocker> = Vec::new();
         let Some(leg) = Leg::of(query) else { return };
-        self.scene.passages(&leg, query.t_max, |hit, factor| {
+        let mut hits = Vec::new();
+        self.scene.world.hits(&leg.ray, query.t_max, Some(&leg.departure), &mut hits);
+        self.scene.passages(&leg, query.t_max, hits.iter(), |hit, factor| {
             let passes = if opaque { Spectrum::ZERO } else { factor };
             match met.iter_mut().find(|b| b.id.same_object(&hit.id)) {
                 Some(known) => known.passes *= passes,
