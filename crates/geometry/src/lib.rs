@@ -16,7 +16,7 @@ pub mod bounds;
 pub mod bvh;
 pub mod group;
 #[allow(unsafe_code)]
-mod memory;
+pub mod memory;
 pub mod mesh;
 pub mod mesh_data;
 pub mod placement;

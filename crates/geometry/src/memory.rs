@@ -13,9 +13,9 @@ pub(crate) fn with_capacity<T>(capacity: usize) -> Vec<T> {
 #[cfg(target_os = "linux")]
 const LARGE: usize = 4 << 20;
 
-/// Asks for large pages, where nothing was written to yet.
+/// Asks for large pages for a vector that nothing was written to yet, where it is large.
 #[cfg(target_os = "linux")]
-pub(crate) fn advise<T>(vector: &Vec<T>) {
+pub fn advise<T>(vector: &Vec<T>) {
     const PAGE: usize = 4096;
     let (start, bytes) = (vector.as_ptr() as usize, vector.capacity() * size_of::<T>());
     if bytes < LARGE {
@@ -31,4 +31,4 @@ pub(crate) fn advise<T>(vector: &Vec<T>) {
 
 /// There are no large pages to ask for.
 #[cfg(not(target_os = "linux"))]
-pub(crate) fn advise<T>(_: &Vec<T>) {}
+pub fn advise<T>(_: &Vec<T>) {}

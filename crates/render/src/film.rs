@@ -233,6 +233,7 @@ pub(crate) fn filled<T: Clone + Default + Send>(region: &Region) -> Result<Vec<T
         let message = format!("not enough memory for a picture of {width} x {height} pixels");
         Diagnostic::error("out-of-memory", message).help("make it smaller, or render it in crops")
     })?;
+    dioptric_geometry::memory::advise(&values);
     // Outside a pool rayon would start the global one.
     if count >= LARGE && rayon::current_thread_index().is_some() {
         rayon::iter::repeat_n(T::default(), count).collect_into_vec(&mut values);
