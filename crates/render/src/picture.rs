@@ -11,11 +11,13 @@ use crate::film::{Film, Radiance};
 use crate::integrator::{
     self,
     recorder::{Recorder, Silent},
+    whitted::Whitted,
 };
 use crate::job::{self, Control, Shoot, Shot};
 use crate::region::Region;
 use crate::sampling::{PixelSample, Stream};
 use crate::scene::Scene;
+use crate::setting::render::Integrator;
 use crate::stats::RayCounts;
 
 /// Renders a region of a scene's picture on the threads of `pool`: the same bits for any number of them.
@@ -47,6 +49,9 @@ impl Shoot for Camera<'_> {
         out: &mut Vec<Radiance>,
     ) {
         let scene = self.scene;
+        if scene.settings.integrator == Integrator::Whitted {
+            return Whitted::new(scene, counts, &mut Silent).shoot(shots, cancel, out);
+        }
         let rays = shots.iter().map(|shot| camera_ray(scene, &shot.sample, shot.stream));
         out.extend(integrator::radiances(scene, rays, counts, &mut Silent, cancel));
     }
@@ -68,6 +73,17 @@ pub fn shoot<R: Recorder>(
 /// The ray through a sample's place in the picture, and the numbers that are left for its way; `None` where the
 /// camera sees nothing (outside of a fisheye's circle).
 fn camera_ray(scene: &Scene, sample: &PixelSample, mut stream: Stream) -> Option<(Ray, Stream)> {
+    let (x, y, lens) = place(scene, sample, &mut stream);
+    Some((scene.camera.ray(x, y, lens)?, stream))
+}
+
+/// A sample's place in the picture, and on the lens.
+#[inline]
+pub(crate) fn place(
+    scene: &Scene,
+    sample: &PixelSample,
+    stream: &mut Stream,
+) -> (f64, f64, [f64; 2]) {
     let [width, height] = scene.settings.size.map(f64::from);
     let lens = if scene.camera.has_lens() {
         stream.next_2d()
@@ -75,5 +91,5 @@ fn camera_ray(scene: &Scene, sample: &PixelSample, mut stream: Stream) -> Option
         stream.skip();
         [0.5; 2]
     };
-    Some((scene.camera.ray(sample.x / width, sample.y / height, lens)?, stream))
+    (sample.x / width, sample.y / height, lens)
 }

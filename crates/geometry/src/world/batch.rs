@@ -15,7 +15,7 @@ use super::{Hit, Level, Object, World};
 use crate::bvh::Lanes;
 use crate::bvh::packet::rows::{self, LANES, Mask, Rows};
 use crate::bvh::packet::{Packet, PacketLeaves};
-use crate::ray::{HitId, LocalRay};
+use crate::ray::{HitId, LocalRay, Ray};
 
 /// Where more than this many of sixteen rays are wanted, they walk as they stand; fewer are gathered first.
 const DENSE: u32 = 11;
@@ -111,7 +111,11 @@ impl World {
     /// Finds the nearest hit of each ray, or any within its limit.
     fn walk_any_lanes<const ANY: bool>(&self, bundle: &Bundle, rays: Mask, found: &mut Found) {
         found.hit = 0;
-        let mut walk = Walk { bundle, found };
+        let locals = std::array::from_fn(|lane| {
+            let Ray { origin, direction, error, .. } = bundle.ray(lane);
+            LocalRay { origin, direction, error, t_max: 0.0, leaving: None }
+        });
+        let mut walk = Walk { bundle, locals, found };
         match self.levels.first().map_or(Lanes::Plain, |level| level.bvh.lanes()) {
             // SAFETY: a tree's lanes are never more than the processor has.
             #[cfg(target_arch = "x86_64")]
@@ -204,21 +208,17 @@ impl World {
     #[inline]
     fn test_one<const ANY: bool>(&self, walk: &mut Walk, object: &Object, lane: usize) -> bool {
         let lane = lane % LANES;
-        let (bundle, t) = (walk.bundle, &walk.found.t);
+        let Walk { bundle, locals, found } = walk;
         let leave = &bundle.leaves[lane];
         let id = HitId { instance: HitId::NO_INSTANCE, object: object.id, part: 0 };
-        let ray = bundle.ray(lane);
-        let local = LocalRay {
-            origin: ray.origin,
-            direction: ray.direction,
-            error: ray.error,
-            t_max: t[lane],
-            leaving: leave.departure_from(&id).as_ref().map(leaving),
-        };
+        let local = &mut locals[lane];
+        local.t_max = found.t[lane];
+        let departure = leave.departure_from(&id);
+        local.leaving = departure.as_ref().map(leaving);
         let ask = if ANY { block } else { meet };
         let root = match self.transform(object.transform) {
-            None => ask(id.instance, object, &local, leave.contacts()),
-            transform => ask(id.instance, object, &into(transform, &local), leave.contacts()),
+            None => ask(id.instance, object, local, leave.contacts()),
+            transform => ask(id.instance, object, &into(transform, local), leave.contacts()),
         };
         let Some(root) = root else { return false };
         let hit = Hit { t: root.t, id: HitId { part: root.part, ..id } };
@@ -279,6 +279,9 @@ impl Level {
 /// Sixteen rays, and what they have hit so far.
 struct Walk<'a> {
     bundle: &'a Bundle,
+    /// The rays as objects want them. Written long before they are read: numbers that were just written one by one and
+    /// are read two by two make the processor wait.
+    locals: [LocalRay; LANES],
     found: &'a mut Found,
 }
 

@@ -52,6 +52,17 @@ impl Leave {
         }
     }
 
+    /// From a point of `from`, to the side from which it was reached; `except` is what was crossed there.
+    #[inline(always)]
+    #[must_use]
+    pub fn back(from: HitId, outward: bool, except: Option<HitId>) -> Self {
+        let flags = LEAVES | if outward { OUTWARD } else { 0 };
+        match except {
+            None => Self { from, except: NOBODY, flags },
+            Some(except) => Self { from, except, flags: flags | EXCEPTS },
+        }
+    }
+
     /// The point that the ray leaves.
     #[inline]
     #[must_use]
@@ -132,6 +143,15 @@ impl Bundle {
         time: [0.0; LANES],
         leaves: [Leave::NOTHING; LANES],
     };
+
+    /// Makes them rays that leave nothing, start exactly where they start and go on for ever, at time 0.
+    #[inline(always)]
+    pub const fn free(&mut self) {
+        self.error = [0.0; LANES];
+        self.t_max = [f64::INFINITY; LANES];
+        self.time = [0.0; LANES];
+        self.leaves = [Leave::NOTHING; LANES];
+    }
 
     /// Puts a ray into a lane.
     #[inline(always)]
@@ -232,6 +252,53 @@ impl Rays {
         }
         self.bundles[at].set(self.count, query);
         self.count += 1;
+    }
+
+    /// Adds a ray from a point, whose direction and length are not known yet.
+    #[inline(always)]
+    pub fn push_from(&mut self, origin: DVec3, error: f64, time: f64, leave: Leave) {
+        let (at, lane) = (self.count / LANES, self.count % LANES);
+        if at == self.bundles.len() {
+            self.bundles.push(Bundle::EMPTY);
+        }
+        let bundle = &mut self.bundles[at];
+        for (axis, x) in origin.to_array().into_iter().enumerate() {
+            bundle.origin[axis][lane] = x;
+        }
+        (bundle.error[lane], bundle.time[lane]) = (error, time);
+        let slot = &mut bundle.leaves[lane];
+        (slot.from, slot.except, slot.flags) = (leave.from, leave.except, leave.flags);
+        self.count += 1;
+    }
+
+    /// Adds the rays of a bundle that `fill` fills, up to `count` of them: those whose bits it returns.
+    pub fn append(&mut self, count: usize, fill: impl FnOnce(&mut Bundle) -> Mask) -> Mask {
+        let (at, from) = (self.count / LANES, self.count % LANES);
+        if at == self.bundles.len() {
+            self.bundles.push(Bundle::EMPTY);
+        }
+        let all = if count < LANES { (1 << count) - 1 } else { Mask::MAX };
+        if from == 0 {
+            let filled = fill(&mut self.bundles[at]) & all;
+            if filled == all {
+                self.count += count;
+                return filled;
+            }
+            let bundle = self.bundles[at].clone();
+            self.pick(&bundle, filled);
+            return filled;
+        }
+        let mut bundle = Bundle::EMPTY;
+        let filled = fill(&mut bundle) & all;
+        self.pick(&bundle, filled);
+        filled
+    }
+
+    /// Adds some rays of a bundle.
+    fn pick(&mut self, bundle: &Bundle, lanes: Mask) {
+        for lane in (0..LANES).filter(|lane| lanes & 1 << lane != 0) {
+            self.push(&bundle.query(lane));
+        }
     }
 
     /// All of them; lanes beyond the last ray mean nothing.

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What every camera of the registry promises for every point of the picture.
 
+use dioptric_geometry::world::Bundle;
 use dioptric_math::{DAffine3, DVec3};
 use dioptric_scene::args::make_node;
 use dioptric_scene::{Args, Description, Value};
 
-use super::{AnyCamera, SCHEMAS};
+use super::{AnyCamera, Places, SCHEMAS};
 use crate::setting::root::Root;
 
 #[test]
@@ -33,7 +34,25 @@ fn rays_are_finite_unit_and_point_ahead_in_the_middle() {
                         assert!((ray.direction.length() - 1.0).abs() < 1e-12, "{}", schema.kind);
                     }
                 }
+                sixteen_at_once(&camera);
             }
         }
+    }
+}
+
+/// Sixteen rays made at once are those made one by one.
+fn sixteen_at_once(camera: &AnyCamera) {
+    let mut places = Places::CORNER;
+    for i in 0..16 {
+        (places.x[i], places.y[i]) = (0.01 + 0.06 * i as f64, 0.99 - 0.3 * (i % 4) as f64);
+        places.lens[i] = [0.1 + 0.05 * i as f64, 0.7];
+    }
+    let mut rays = Bundle::EMPTY;
+    let seen = camera.rays(&places, &mut rays);
+    for i in 0..16 {
+        let alone = camera.ray(places.x[i], places.y[i], places.lens[i]);
+        let found = (seen & 1 << i != 0).then(|| rays.ray(i));
+        assert_eq!(found, alone);
+        assert!(alone.is_none() || rays.t_max[i] == f64::INFINITY);
     }
 }

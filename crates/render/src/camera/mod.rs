@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The registry of cameras. One file and one line each.
 
-use dioptric_geometry::Ray;
+use dioptric_geometry::world::{Bundle, Query, Sixteen};
+use dioptric_geometry::{Contacts, Ray};
 use dioptric_scene::{Args, Diagnostic, Schema};
 
 use crate::setting::root::Root;
@@ -37,6 +38,42 @@ pub trait Camera: Sized {
     fn has_lens(&self) -> bool {
         false
     }
+
+    /// Sixteen rays, the same bits as [`Self::ray`] gives for each; a bit for each that there is.
+    fn rays(&self, places: &Places, rays: &mut Bundle) -> u16 {
+        one_by_one(self, places, rays)
+    }
+}
+
+/// Sixteen rays, each by itself.
+fn one_by_one(camera: &impl Camera, places: &Places, rays: &mut Bundle) -> u16 {
+    rays.free();
+    let mut seen = 0;
+    for lane in 0..Bundle::LANES {
+        let [x, y] = [places.x[lane], places.y[lane]];
+        if let Some(ray) = camera.ray(x, y, places.lens[lane]) {
+            rays.set(lane, &Query::new(ray, f64::INFINITY, None, Contacts::CROSSED));
+            seen |= 1 << lane;
+        }
+    }
+    seen
+}
+
+/// Sixteen points of the picture and of the lens: see [`Camera::ray`].
+#[derive(Clone, Debug)]
+pub struct Places {
+    /// From the left edge at 0 to the right one at 1.
+    pub x: Sixteen,
+    /// From the top at 0 to the bottom at 1.
+    pub y: Sixteen,
+    /// What picks the point of the lens.
+    pub lens: [[f64; 2]; Bundle::LANES],
+}
+
+impl Places {
+    /// The top left corner, and the middle of the lens.
+    pub const CORNER: Self =
+        Self { x: [0.0; Bundle::LANES], y: [0.0; Bundle::LANES], lens: [[0.5; 2]; Bundle::LANES] };
 }
 
 macro_rules! registry {
@@ -67,6 +104,11 @@ macro_rules! registry {
             #[must_use]
             pub fn ray(&self, x: f64, y: f64, lens: [f64; 2]) -> Option<Ray> {
                 match self { $(Self::$variant(c) => c.ray(x, y, lens),)* }
+            }
+
+            /// See [`Camera::rays`].
+            pub fn rays(&self, places: &Places, rays: &mut Bundle) -> u16 {
+                match self { $(Self::$variant(c) => c.rays(places, rays),)* }
             }
 
             /// See [`Camera::has_lens`].

@@ -2,11 +2,13 @@
 //! The pinhole and thin-lens camera.
 
 use dioptric_geometry::Ray;
+use dioptric_geometry::world::Bundle;
+use dioptric_math::wide::{Kernel, wide};
 use dioptric_math::{DVec3, normalize, tan};
 use dioptric_scene::{Args, Category, Default, Diagnostic, Param, Schema, Type};
 
-use super::Camera;
 use super::frame::{EYE, Frame, LOOK_AT, UP};
+use super::{Camera, Places, one_by_one};
 use crate::setting::root::Root;
 
 /// A perspective camera.
@@ -104,7 +106,59 @@ impl Camera for Perspective {
     fn has_lens(&self) -> bool {
         self.lens.is_some()
     }
+
+    fn rays(&self, places: &Places, rays: &mut Bundle) -> u16 {
+        if self.lens.is_none() {
+            rays.free();
+            if wide(Pinhole { camera: self, places, rays }) {
+                return u16::MAX;
+            }
+        }
+        one_by_one(self, places, rays)
+    }
 }
+
+/// Sixteen rays through a pinhole; false where one of them has an odd length and must be made by itself.
+struct Pinhole<'a> {
+    camera: &'a Perspective,
+    places: &'a Places,
+    rays: &'a mut Bundle,
+}
+
+impl Kernel for Pinhole<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run(self) -> bool {
+        let Perspective { eye, forward, right, up, .. } = self.camera;
+        let Bundle { origin, direction, .. } = self.rays;
+        let [dx, dy, dz] = direction;
+        let mut length = [0.0; Bundle::LANES];
+        for i in 0..Bundle::LANES {
+            let (x, y) = (2.0 * self.places.x[i] - 1.0, 1.0 - 2.0 * self.places.y[i]);
+            dx[i] = forward.x + right.x * x + up.x * y;
+            dy[i] = forward.y + right.y * x + up.y * y;
+            dz[i] = forward.z + right.z * x + up.z * y;
+            length[i] = (dx[i] * dx[i] + dy[i] * dy[i] + dz[i] * dz[i]).sqrt();
+        }
+        for axis in [dx, dy, dz] {
+            for i in 0..Bundle::LANES {
+                axis[i] /= length[i];
+            }
+        }
+        for (origin, eye) in origin.iter_mut().zip(eye.to_array()) {
+            *origin = [eye; Bundle::LANES];
+        }
+        let mut odd = false;
+        for length in &length {
+            odd |= !(*length >= LENGTHS.0) | !(*length <= LENGTHS.1);
+        }
+        !odd
+    }
+}
+
+/// Squares of other lengths may be out of range.
+const LENGTHS: (f64, f64) = (1e-99, 1e99);
 
 #[cfg(test)]
 mod tests {

@@ -19,11 +19,11 @@ pub(super) struct Dielectric {
 
 impl<R: Recorder> Whitted<'_, '_, R> {
     /// Splits a ray at a dielectric's surface.
-    pub(super) fn dielectric(&mut self, met: &mut Met, medium: &Medium, how: Dielectric) {
-        let id = self.nodes[met.node].id;
+    pub(super) fn dielectric(&mut self, met: &mut Met<R::Id>, medium: &Medium, how: Dielectric) {
+        let id = met.way.id;
         let facet = facet_for(&met.point, how.roughness, &mut met.stream);
         let met = &*met;
-        let (point, inside) = (&met.point, met.state.inside);
+        let (point, inside) = (&met.point, met.way.inside);
         let solid = point.is_solid(self.scene);
         // Light of its own (highlights) and tints are met on the outside; a pane has two outsides.
         let outside = point.outside || !solid;

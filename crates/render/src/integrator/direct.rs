@@ -51,11 +51,11 @@ pub(super) struct Asked<'a> {
 
 impl<R: Recorder> Whitted<'_, '_, R> {
     /// Works out the own colours: ambient, emission, and every light.
-    pub(super) fn light(&mut self, points: &mut [Met], scratch: &mut Scratch) {
+    pub(super) fn light(&mut self, points: &mut [Met<R::Id>], scratch: &mut Scratch) {
         let scene = self.scene;
         scratch.lit.clear();
         for (i, met) in points.iter_mut().enumerate().filter(|(_, met)| met.wants_own) {
-            let (id, finish) = (self.nodes[met.node].id, &met.point.finish);
+            let (id, finish) = (met.way.id, &met.point.finish);
             let mut sum = scene.ambient * finish.ambient;
             if sum != Spectrum::ZERO {
                 self.recorder.term(id, "ambient", sum, || {
@@ -95,7 +95,7 @@ impl<R: Recorder> Whitted<'_, '_, R> {
     }
 
     /// Adds a light that takes one sample.
-    fn one_sample(&mut self, points: &[Met], asked: Asked, scratch: &mut Scratch) {
+    fn one_sample(&mut self, points: &[Met<R::Id>], asked: Asked, scratch: &mut Scratch) {
         let mut lit = std::mem::take(&mut scratch.lit);
         scratch.parts.clear();
         if !asked.placed.light.is_sharp() {
@@ -115,7 +115,7 @@ impl<R: Recorder> Whitted<'_, '_, R> {
     }
 
     /// Adds the mean over a light's samples.
-    fn several_samples(&mut self, points: &[Met], asked: Asked, scratch: &mut Scratch) {
+    fn several_samples(&mut self, points: &[Met<R::Id>], asked: Asked, scratch: &mut Scratch) {
         let (mut lit, mut many) =
             (std::mem::take(&mut scratch.lit), std::mem::take(&mut scratch.many));
         let mut sums = std::mem::take(&mut scratch.sums);
@@ -152,7 +152,7 @@ impl<R: Recorder> Whitted<'_, '_, R> {
     }
 
     /// Asks a light what it sends to the points, and finds out what is between.
-    fn ask(&mut self, points: &[Met], asked: Asked, lit: &mut Lit, scratch: &mut Scratch) {
+    fn ask(&mut self, points: &[Met<R::Id>], asked: Asked, lit: &mut Lit, scratch: &mut Scratch) {
         let Scratch { parts, between, wanted, found, passages, told, .. } = scratch;
         fall(asked, lit, parts, between);
         if R::ENABLED {

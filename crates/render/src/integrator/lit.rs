@@ -4,10 +4,11 @@
 //! Each number is worked out by the same operations in the same order as for one point by itself, so the bits do not
 //! depend on who is next to whom.
 
-use dioptric_geometry::world::{Bundle, Rays, Sixteen};
+use dioptric_geometry::world::{Bundle, Leave, Rays, Sixteen};
 use dioptric_math::wide::Kernel;
 use dioptric_math::{DVec3, Spectrum};
 
+use super::point::Point;
 use super::whitted::Met;
 use crate::light::{Sharp, Towards};
 use crate::material::{FAINTEST, HighlightModel, whole};
@@ -80,7 +81,7 @@ impl Block {
 
     /// Puts a point into a lane; lane 0 comes first.
     #[inline(always)]
-    pub fn set(&mut self, lane: usize, met: &Met) {
+    pub fn set<I>(&mut self, lane: usize, met: &Met<I>) {
         let (lane, point) = (lane % LANES, &met.point);
         let (normal, viewer) = (point.normal, -point.ray.direction);
         put(&mut self.normal, lane, normal);
@@ -262,9 +263,11 @@ impl Lit {
     }
 
     /// Adds a point.
-    pub fn push(&mut self, met: &Met, of: usize) {
+    pub fn push<I>(&mut self, met: &Met<I>, of: usize) {
         let at = self.rays.len();
-        self.rays.push(&met.point.to_light());
+        let Point { ray, surface, hit, outside, arrived, .. } = &met.point;
+        let leave = Leave::back(hit.id, *outside, *arrived);
+        self.rays.push_from(surface.point, surface.error, ray.time, leave);
         self.block_for(at).set(at, met);
         self.rows.push(Row { point: of as u32, told: at as u32 });
     }

@@ -39,14 +39,14 @@ impl<R: Recorder> Whitted<'_, '_, R> {
     /// Sends the ray on through a surface that lets through by shares.
     pub(super) fn through_by_shares(
         &mut self,
-        met: &Met,
+        met: &Met<R::Id>,
         share: f64,
         ior: f64,
         tint: Spectrum,
         absorption: Spectrum,
     ) {
         let point = &met.point;
-        let id = self.nodes[met.node].id;
+        let id = met.way.id;
         let medium = Medium { object: point.hit.id, ior, absorption };
         let solid = point.is_solid(self.scene);
         if solid && !point.outside {
@@ -88,16 +88,16 @@ impl<R: Recorder> Whitted<'_, '_, R> {
     }
 
     /// Sends the ray to what is seen behind the object.
-    fn beyond(&mut self, met: &Met, passage: Passage, weight: Spectrum, medium: &Medium) {
+    fn beyond(&mut self, met: &Met<R::Id>, passage: Passage, weight: Spectrum, medium: &Medium) {
         let Passage { end, left, corners } = passage;
-        let id = self.nodes[met.node].id;
+        let id = met.way.id;
         self.recorder.note(
             id,
             "passage",
             || json!({"ior": medium.ior, "transmittance": left.to_array(), "corners": corners}),
         );
         let weight = weight * left;
-        let outer = self.media.leave(met.state.inside, &medium.object);
+        let outer = self.media.leave(met.way.inside, &medium.object);
         match end {
             End::Outside(leg) => self.follow(met, 0, RayKind::Transmitted, leg, weight, outer),
             End::Inside(leg) => {

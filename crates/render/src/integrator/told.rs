@@ -74,8 +74,8 @@ impl<R: Recorder> Whitted<'_, '_, R> {
     }
 
     /// Tells of one light at one point.
-    pub(super) fn tell(&mut self, met: &Met, asked: Asked, sum: &Sum, lit: &mut Told) {
-        let (id, point) = (self.nodes[met.node].id, &met.point);
+    pub(super) fn tell(&mut self, met: &Met<R::Id>, asked: Asked, sum: &Sum, lit: &mut Told) {
+        let (id, point) = (met.way.id, &met.point);
         let Asked { placed, samples, .. } = asked;
         lit.blockers.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.id.cmp(&b.id)));
         let scene = self.scene;

@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Rays whose values are awaited: a ray's value needs those of the rays that it causes.
 //!
-//! Rays of many samples are followed side by side. What is kept of a ray until its value is known is a
-//! [`Node`]; when the last of the rays below it has brought its value, the node's own is worked out and handed
+//! Rays of many samples are followed side by side. What is kept of a ray that causes others until its value is known is
+//! a [`Node`]; when the last of the rays below it has brought its value, the node's own is worked out and handed
 //! to the one above. Nodes that are done are used again, so that memory grows with the depth of the trees and
 //! not with the number of rays.
 
 use dioptric_math::Spectrum;
+use serde_json::json;
 
-use super::media::Inside;
-use super::recorder::Slot;
+use super::media::{Inside, absorbed};
+use super::recorder::{Recorder, Slot};
+use super::whitted::Whitted;
+use crate::film::FirstHit;
 
 /// Who waits for a ray's value.
 #[derive(Clone, Copy, Debug)]
@@ -20,23 +23,29 @@ pub(super) enum Above {
     Node(u32, Slot),
 }
 
-/// One ray.
+/// Where a ray's value goes.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Node<I> {
+pub(super) struct Way<I> {
     pub id: I,
     pub above: Above,
+    /// What multiplies its value for who waits for it.
+    pub weight: Spectrum,
+    /// What it goes through.
+    pub inside: Inside,
+}
+
+/// One ray that causes others.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Node<I> {
+    pub way: Way<I>,
     /// What it shows without the rays that it causes.
     pub own: Spectrum,
     /// How many of the rays below are not done.
     pub waiting: u8,
-    /// What multiplies its value for who waits for it.
-    pub weight: Spectrum,
     /// Weights times values of the rays below that are done.
     pub below: [Spectrum; 2],
     /// The way from where it started to what it met.
     pub distance: f64,
-    /// What it went through.
-    pub inside: Inside,
 }
 
 /// The nodes of a batch.
@@ -48,20 +57,13 @@ pub(super) struct Nodes<I> {
 
 impl<I: Copy> Nodes<I> {
     pub fn new(room: usize) -> Self {
-        Self { nodes: Vec::with_capacity(room), free: Vec::with_capacity(room) }
+        Self { nodes: Vec::with_capacity(room), free: Vec::new() }
     }
 
-    pub fn add(&mut self, id: I, above: Above, weight: Spectrum, inside: Inside) -> u32 {
-        let node = Node {
-            id,
-            above,
-            own: Spectrum::ZERO,
-            waiting: 0,
-            weight,
-            below: [Spectrum::ZERO; 2],
-            distance: f64::INFINITY,
-            inside,
-        };
+    /// A ray that causes others; nothing of it is known yet but what it went through.
+    pub fn add(&mut self, way: Way<I>, distance: f64) -> u32 {
+        let node =
+            Node { way, own: Spectrum::ZERO, waiting: 0, below: [Spectrum::ZERO; 2], distance };
         match self.free.pop() {
             Some(index) => {
                 self.nodes[index as usize] = node;
@@ -91,5 +93,73 @@ impl<I> std::ops::Index<u32> for Nodes<I> {
 impl<I> std::ops::IndexMut<u32> for Nodes<I> {
     fn index_mut(&mut self, index: u32) -> &mut Node<I> {
         &mut self.nodes[index as usize]
+    }
+}
+
+impl<R: Recorder> Whitted<'_, '_, R> {
+    /// Works out the value of a node that waits for nothing, and hands it on.
+    pub(super) fn settle(&mut self, index: u32) {
+        let node = &self.nodes[index];
+        if node.waiting == 0 {
+            let (way, distance) = (node.way, node.distance);
+            let value = node.own + node.below[0] + node.below[1];
+            self.nodes.release(index);
+            self.deliver(way, value, distance);
+        }
+    }
+
+    /// Hands the value of what a ray met to those who wait for it, and theirs if they wait for nothing else.
+    pub(super) fn deliver(&mut self, mut way: Way<R::Id>, mut value: Spectrum, mut distance: f64) {
+        loop {
+            value = self.attenuated(way.id, value, distance, way.inside);
+            match way.above {
+                Above::Sample(sample) => {
+                    self.recorder.end(way.id, Spectrum::ONE, value);
+                    let radiance = &mut self.radiances[sample as usize];
+                    radiance.color = value;
+                    let hit = radiance.first.object != FirstHit::NOTHING;
+                    radiance.alpha = if hit { 1.0 } else { 0.0 };
+                    return;
+                }
+                Above::Node(above, slot) => {
+                    let node = &mut self.nodes[above];
+                    node.below[usize::from(slot)] = way.weight * value;
+                    node.waiting -= 1;
+                    self.recorder.end(way.id, way.weight, value);
+                    if node.waiting > 0 {
+                        return;
+                    }
+                    (way, distance) = (node.way, node.distance);
+                    value = node.own + node.below[0] + node.below[1];
+                    self.nodes.release(above);
+                }
+            }
+        }
+    }
+
+    /// Absorption by the innermost medium, and fog outside of all, over the distance of a ray.
+    fn attenuated(
+        &mut self,
+        id: R::Id,
+        mut value: Spectrum,
+        distance: f64,
+        inside: Inside,
+    ) -> Spectrum {
+        let scene = self.scene;
+        let left = match self.media.top(inside) {
+            Some(medium) => absorbed(medium.absorption, distance / scene.root.scale()),
+            None => scene.surroundings.transmittance(distance),
+        };
+        if left != Spectrum::ONE {
+            self.recorder.note(id, "absorption", || json!({"transmittance": left.to_array()}));
+            self.recorder.scale(id, "absorption", left);
+            value *= left;
+        }
+        let Some(fog) = scene.fog.as_ref().filter(|_| inside.is_none()) else { return value };
+        let left = fog.transmittance(distance);
+        let glow = fog.color * (1.0 - left);
+        self.recorder.scale(id, "fog", Spectrum::splat(left));
+        self.recorder.term(id, "fog", glow, || (None, json!({"transmittance": left})));
+        value * left + glow
     }
 }

@@ -10,22 +10,28 @@
 //! This file follows rays; [`super::direct`] lights points, [`super::dielectric`] splits a ray at glass and
 //! [`super::passage`] goes through objects with fixed shares.
 
+use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use dioptric_geometry::world::{Hit, Query};
+use dioptric_geometry::world::{Bundle, Found, Hit, Query, Rays};
 use dioptric_geometry::{Contacts, Ray};
 use dioptric_math::{DVec3, Spectrum};
 use serde_json::json;
 
 use super::dielectric::Dielectric;
-use super::media::{Inside, Media, Medium, absorbed};
+use super::direct::Scratch;
+use super::lit::{LANES, lanes};
+use super::media::{Inside, Media, Medium};
 use super::optics::{facet_normal, schlick};
 use super::point::{Leg, Point, coincide};
 use super::record::record;
-use super::recorder::{RayKind, Recorder, Slot};
-use super::tree::{Above, Nodes};
-use crate::film::{FirstHit, Radiance};
+use super::recorder::{RayKind, Recorder, Silent, Slot};
+use super::tree::{Above, Nodes, Way};
+use crate::camera::Places;
+use crate::film::Radiance;
+use crate::job::Shot;
 use crate::material::{Finish, Optics};
+use crate::picture::place;
 use crate::sampling::stream::Stream;
 use crate::scene::{Answer, Scene, Shading};
 use crate::stats::RayCounts;
@@ -44,38 +50,34 @@ pub struct Whitted<'a, 'r, R: Recorder> {
     /// Transparent objects that this batch's rays have been in.
     pub(super) media: Media,
     pub(super) nodes: Nodes<R::Id>,
+    memory: Memory,
     /// Rays to be cast, the next ones last, and what is known of each.
-    queries: Vec<Query>,
-    legs: Vec<Follow>,
+    next: Rays,
+    legs: Vec<Follow<R::Id>>,
     /// By the sample's number.
-    radiances: Vec<Radiance>,
-}
-
-/// What a ray carries along the tree.
-#[derive(Clone, Copy)]
-pub(super) struct State {
-    /// Secondary bounces so far.
-    pub depth: u32,
-    /// The largest lane of the product of all weights so far.
-    pub throughput: f64,
-    /// The innermost transparent object around the ray.
-    pub inside: Inside,
+    pub(super) radiances: Vec<Radiance>,
 }
 
 /// A ray to be cast.
 #[derive(Clone, Copy)]
-struct Follow {
-    node: u32,
-    state: State,
+struct Follow<I> {
+    way: Way<I>,
+    /// Secondary bounces so far.
+    depth: u32,
+    /// The largest lane of the product of all weights so far.
+    throughput: f64,
     stream: Stream,
 }
 
 /// A point that a ray met, on its way through a round.
-pub(super) struct Met<'a> {
+pub(super) struct Met<'a, I> {
     pub point: Point<'a>,
-    pub node: u32,
-    pub state: State,
+    pub way: Way<I>,
+    depth: u32,
+    throughput: f64,
     pub stream: Stream,
+    /// What waits for the rays that it causes; nothing before they are sent.
+    pub node: u32,
     /// Whether its own colour is wanted.
     pub wants_own: bool,
     /// Its own colour.
@@ -87,13 +89,17 @@ pub(super) struct Met<'a> {
 impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
     /// Ready for one batch.
     pub fn new(scene: &'a Scene, counts: &'r mut RayCounts, recorder: &'r mut R) -> Self {
+        let mut memory = MEMORY.take();
+        let mut next = std::mem::take(&mut memory.next);
+        next.clear();
         Self {
             scene,
             counts,
             recorder,
             media: Media::new(scene.surroundings.ior),
-            nodes: Nodes::new(ROUND),
-            queries: Vec::with_capacity(ROUND),
+            nodes: Nodes::new(0),
+            memory,
+            next,
             legs: Vec::with_capacity(ROUND),
             radiances: Vec::new(),
         }
@@ -105,58 +111,77 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
         rays: impl ExactSizeIterator<Item = Option<(Ray, Stream)>>,
         cancel: &AtomicBool,
     ) -> Vec<Radiance> {
-        let around = self.scene.around_camera.iter();
-        let inside = around.fold(None, |inside, &medium| self.media.enter(inside, medium));
-        let state = State { depth: 0, throughput: 1.0, inside };
+        let inside = self.around_camera();
         self.radiances.resize(rays.len(), Radiance::NOTHING);
         for (ray, sample) in rays.zip(0..) {
             let Some((ray, stream)) = ray else { continue };
+            self.next.push(&Query::new(ray, f64::INFINITY, None, Contacts::CROSSED));
             self.counts.camera += 1;
             let id = self.recorder.begin(None, RayKind::Camera, &ray);
-            let node = self.nodes.add(id, Above::Sample(sample), Spectrum::ONE, inside);
-            let contacts = Contacts::CROSSED;
-            self.queries.push(Query::new(ray, f64::INFINITY, None, contacts));
-            self.legs.push(Follow { node, state, stream });
+            self.follow_camera(id, sample, stream, inside);
         }
-        let mut round = Round::default();
-        round.met.reserve(ROUND);
-        while !self.legs.is_empty() {
-            if cancel.load(Ordering::Relaxed) {
-                return Vec::new();
-            }
-            self.round(&mut round);
+        if self.run(cancel) { self.radiances } else { Vec::new() }
+    }
+
+    /// What the camera is inside of.
+    fn around_camera(&mut self) -> Inside {
+        let around = self.scene.around_camera.iter();
+        around.fold(None, |inside, &medium| self.media.enter(inside, medium))
+    }
+
+    /// Notes where the value of a camera's ray goes.
+    #[inline]
+    fn follow_camera(&mut self, id: R::Id, sample: u32, stream: Stream, inside: Inside) {
+        let way = Way { id, above: Above::Sample(sample), weight: Spectrum::ONE, inside };
+        self.legs.push(Follow { way, depth: 0, throughput: 1.0, stream });
+    }
+
+    /// Follows all rays to their ends; false if cancelled meanwhile.
+    fn run(&mut self, cancel: &AtomicBool) -> bool {
+        let mut round = Round { met: Vec::new(), answers: Vec::new(), legs: Vec::new() };
+        let mut memory = std::mem::take(&mut self.memory);
+        let mut complete = true;
+        while complete && !self.legs.is_empty() {
+            self.round(&mut round, &mut memory);
+            complete = !cancel.load(Ordering::Relaxed);
         }
-        self.radiances
+        memory.next = std::mem::take(&mut self.next);
+        MEMORY.set(memory);
+        complete
     }
 
     /// Casts the rays that came last, and shades what they meet.
-    fn round(&mut self, round: &mut Round<'a>) {
-        let first = self.legs.len().saturating_sub(ROUND);
+    fn round(&mut self, round: &mut Round<'a, R::Id>, memory: &mut Memory) {
         let scene = self.scene;
-        scene.world.closest_each(&self.queries[first..], &mut round.hits);
-        round.queries.clear();
-        round.queries.extend(self.queries.drain(first..));
+        let Memory { rays, found, light, .. } = memory;
+        self.next.take_last(ROUND, rays);
         round.legs.clear();
-        round.legs.extend(self.legs.drain(first..));
+        if self.next.is_empty() {
+            std::mem::swap(&mut self.legs, &mut round.legs);
+        } else {
+            round.legs.extend(self.legs.drain(self.next.len()..));
+        }
+        scene.world.closest_of_rays(rays, found);
         let mut met = std::mem::take(&mut round.met);
-        for ((query, leg), hit) in round.queries.iter().zip(&round.legs).zip(&round.hits) {
+        met.reserve(round.legs.len());
+        for (i, leg) in round.legs.iter().enumerate() {
+            let rays = &rays.bundles()[i / LANES];
+            let hit = found[i / LANES].best(i);
             let spare = &mut round.answers;
-            match hit.and_then(|hit| self.resolve(query, hit, leg.state.inside, spare)) {
+            match hit.and_then(|hit| self.resolve(rays, i, hit, leg.way.inside, spare)) {
                 Some((hit, shading)) => {
-                    self.nodes[leg.node].distance = hit.t;
+                    let query = rays.query(i);
                     let point = Point::new(&query.ray, hit, shading, query.departure().as_ref());
                     met.push(self.meet(point, leg));
                 }
                 None => {
-                    let value = scene.background.radiance(query.ray.direction);
-                    let node = &mut self.nodes[leg.node];
-                    node.own = value;
-                    self.recorder.term(node.id, "background", value, || (None, json!({})));
-                    self.settle(leg.node);
+                    let value = scene.background.radiance(rays.ray(i).direction);
+                    self.recorder.term(leg.way.id, "background", value, || (None, json!({})));
+                    self.deliver(leg.way, value, f64::INFINITY);
                 }
             }
         }
-        self.light(&mut met, &mut round.light);
+        self.light(&mut met, light);
         for met in &mut met {
             self.scatter(met);
         }
@@ -172,15 +197,15 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
     /// are not cast.
     pub(super) fn follow(
         &mut self,
-        met: &Met,
+        met: &Met<R::Id>,
         slot: Slot,
         kind: RayKind,
         leg: Leg,
         weight: Spectrum,
         inside: Inside,
     ) {
-        let id = self.nodes[met.node].id;
-        let throughput = met.state.throughput * weight.max_element();
+        let id = met.way.id;
+        let throughput = met.throughput * weight.max_element();
         if !(throughput > 0.0) || throughput < self.scene.settings.min_contribution {
             self.recorder.also(
                 id,
@@ -194,57 +219,26 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
             RayKind::Reflected => self.counts.reflect += 1,
             RayKind::Transmitted => self.counts.refract += 1,
         }
-        let state = State { depth: met.state.depth + 1, throughput, inside };
         let below = self.recorder.begin(Some((id, slot)), kind, &leg.ray);
-        let node = self.nodes.add(below, Above::Node(met.node, slot), weight, inside);
         self.nodes[met.node].waiting += 1;
+        let way = Way { id: below, above: Above::Node(met.node, slot), weight, inside };
         let stream = if slot == 0 { met.stream } else { met.stream.forked() };
-        self.queries.push(leg.query(f64::INFINITY));
-        self.legs.push(Follow { node, state, stream });
-    }
-
-    /// Works out the value of a node that waits for nothing, and of those above that waited only for it.
-    pub(super) fn settle(&mut self, mut index: u32) {
-        loop {
-            let node = &self.nodes[index];
-            if node.waiting > 0 {
-                return;
-            }
-            let (id, above, weight) = (node.id, node.above, node.weight);
-            let (distance, inside) = (node.distance, node.inside);
-            let value = node.own + node.below[0] + node.below[1];
-            let value = self.attenuated(id, value, distance, inside);
-            self.nodes.release(index);
-            match above {
-                Above::Sample(sample) => {
-                    self.recorder.end(id, Spectrum::ONE, value);
-                    let radiance = &mut self.radiances[sample as usize];
-                    radiance.color = value;
-                    let hit = radiance.first.object != FirstHit::NOTHING;
-                    radiance.alpha = if hit { 1.0 } else { 0.0 };
-                    return;
-                }
-                Above::Node(above, slot) => {
-                    let parent = &mut self.nodes[above];
-                    parent.below[usize::from(slot)] = weight * value;
-                    parent.waiting -= 1;
-                    self.recorder.end(id, weight, value);
-                    index = above;
-                }
-            }
-        }
+        self.next.push(&leg.query(f64::INFINITY));
+        self.legs.push(Follow { way, depth: met.depth + 1, throughput, stream });
     }
 
     /// The hit that counts, and what is needed to shade it. Inside of a transparent object its own surface
     /// comes before any other that coincides with it: the exit belongs to the object that was entered.
+    #[inline(always)]
     fn resolve(
         &self,
-        query: &Query,
+        rays: &Bundle,
+        lane: usize,
         hit: Hit,
         inside: Inside,
         spare: &mut Spare,
     ) -> Option<(Hit, Shading<'a>)> {
-        let (scene, ray) = (self.scene, &query.ray);
+        let (scene, ray) = (self.scene, &rays.ray(lane));
         let shading = scene.shading_in(ray, &hit, |finish| match spare.pop() {
             Some(mut answer) => {
                 *answer = finish;
@@ -254,7 +248,7 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
         })?;
         if let Some(around) = self.media.top(inside).filter(|m| !m.object.same_object(&hit.id)) {
             let id = around.object;
-            let departure = query.departure();
+            let departure = rays.query(lane).departure();
             let departure = departure.as_ref();
             if let Some(exit) =
                 scene.world.closest_of(ray, f64::INFINITY, departure, id.instance, id.object)
@@ -268,45 +262,19 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
         Some((hit, shading))
     }
 
-    /// Absorption by the innermost medium, and fog outside of all, over the distance of a ray.
-    fn attenuated(
-        &mut self,
-        id: R::Id,
-        mut value: Spectrum,
-        distance: f64,
-        inside: Inside,
-    ) -> Spectrum {
-        let scene = self.scene;
-        let left = match self.media.top(inside) {
-            Some(medium) => absorbed(medium.absorption, distance / scene.root.scale()),
-            None => scene.surroundings.transmittance(distance),
-        };
-        if left != Spectrum::ONE {
-            self.recorder.note(id, "absorption", || json!({"transmittance": left.to_array()}));
-            self.recorder.scale(id, "absorption", left);
-            value *= left;
-        }
-        let Some(fog) = scene.fog.as_ref().filter(|_| inside.is_none()) else { return value };
-        let left = fog.transmittance(distance);
-        let glow = fog.color * (1.0 - left);
-        self.recorder.scale(id, "fog", Spectrum::splat(left));
-        self.recorder.term(id, "fog", glow, || (None, json!({"transmittance": left})));
-        value * left + glow
-    }
-
     /// A point that was met, and what its optics need before it is lit.
-    fn meet(&mut self, point: Point<'a>, leg: &Follow) -> Met<'a> {
-        let Follow { node, state, mut stream } = *leg;
+    #[inline(always)]
+    fn meet(&mut self, point: Point<'a>, leg: &Follow<R::Id>) -> Met<'a, R::Id> {
+        let Follow { way, depth, throughput, mut stream } = *leg;
         let scene = self.scene;
-        if let Above::Sample(sample) = self.nodes[node].above {
+        if let Above::Sample(sample) = way.above {
             self.radiances[sample as usize].first = point.first_hit(scene);
         }
-        let id = self.nodes[node].id;
-        let medium = self.media.top(state.inside);
-        self.recorder.hit(id, || record(scene, &point, state.depth, medium));
+        let medium = self.media.top(way.inside);
+        self.recorder.hit(way.id, || record(scene, &point, depth, medium));
         let mut facet = point.normal;
         let solid = || point.is_solid(scene);
-        let at_limit = state.depth >= scene.settings.bounces;
+        let at_limit = depth >= scene.settings.bounces;
         let wants_own = match point.finish.optics {
             Optics::Opaque => true,
             Optics::Mirror { roughness, .. } => {
@@ -320,24 +288,24 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
             // Glass has nothing of its own to show but highlights, and those on its outside.
             Optics::Dielectric { .. } => point.outside || !solid(),
         };
-        Met { point, node, state, stream, wants_own, own: Spectrum::ZERO, facet }
+        let own = Spectrum::ZERO;
+        Met { point, way, depth, throughput, stream, node: u32::MAX, wants_own, own, facet }
     }
 
     /// Sends the rays that go on from a point whose own colour is known.
-    fn scatter(&mut self, met: &mut Met) {
-        let id = self.nodes[met.node].id;
-        let at_limit = met.state.depth >= self.scene.settings.bounces;
-        if met.point.finish.optics == Optics::Opaque {
-            self.nodes[met.node].own = met.own;
-            self.settle(met.node);
+    fn scatter(&mut self, met: &mut Met<R::Id>) {
+        let id = met.way.id;
+        if matches!(met.point.finish.optics, Optics::Opaque) {
+            self.deliver(met.way, met.own, met.point.hit.t);
             return;
         }
-        let optics = met.point.finish.optics;
-        if at_limit {
+        if met.depth >= self.scene.settings.bounces {
             self.recorder.note(id, "bounce_limit", || json!(self.scene.settings.bounces));
+            self.deliver(met.way, met.own, met.point.hit.t);
+            return;
         }
-        match optics {
-            _ if at_limit => self.nodes[met.node].own = met.own,
+        met.node = self.nodes.add(met.way, met.point.hit.t);
+        match met.point.finish.optics {
             Optics::Opaque => {}
             Optics::Mirror { reflect, grazing, covers, .. } => {
                 let point = &met.point;
@@ -350,7 +318,7 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
                 }
                 self.nodes[met.node].own = own;
                 let leg = point.back(point.mirrored(met.facet));
-                self.follow(met, 0, RayKind::Reflected, leg, weight, met.state.inside);
+                self.follow(met, 0, RayKind::Reflected, leg, weight, met.way.inside);
             }
             Optics::Shares { own, ior, tint, absorption } => {
                 self.through_by_shares(met, own, ior, tint, absorption);
@@ -365,19 +333,57 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
     }
 }
 
+impl Whitted<'_, '_, Silent> {
+    /// Follows a scene's own samples, and appends their radiances to `out`; nothing if cancelled meanwhile.
+    pub fn shoot(mut self, shots: &[Shot], cancel: &AtomicBool, out: &mut Vec<Radiance>) {
+        let (scene, inside, before) = (self.scene, self.around_camera(), out.len());
+        self.radiances = std::mem::take(out);
+        self.radiances.resize(before + shots.len(), Radiance::NOTHING);
+        let mut places = Places::CORNER;
+        for (first, shots) in (before as u32..).step_by(LANES).zip(shots.chunks(LANES)) {
+            let mut streams = [shots[0].stream; LANES];
+            for (lane, (shot, stream)) in shots.iter().zip(&mut streams).enumerate() {
+                *stream = shot.stream;
+                let at = place(scene, &shot.sample, stream);
+                (places.x[lane], places.y[lane], places.lens[lane]) = at;
+            }
+            let seen = self.next.append(shots.len(), |rays| scene.camera.rays(&places, rays));
+            for lane in lanes(seen) {
+                self.counts.camera += 1;
+                self.follow_camera((), first + lane as u32, streams[lane], inside);
+            }
+        }
+        if !self.run(cancel) {
+            self.radiances.truncate(before);
+        }
+        *out = self.radiances;
+    }
+}
+
 /// Boxes that are used again.
 type Spare = Vec<Box<Finish>>;
 
 /// Memory that the rounds of a batch use again.
-#[derive(Default)]
-struct Round<'a> {
-    met: Vec<Met<'a>>,
+struct Round<'a, I> {
+    met: Vec<Met<'a, I>>,
     /// Boxes for answers of materials with patterns.
     answers: Spare,
-    queries: Vec<Query>,
-    legs: Vec<Follow>,
-    hits: Vec<Option<Hit>>,
-    light: super::direct::Scratch,
+    legs: Vec<Follow<I>>,
+}
+
+/// Memory that batches use again: asking for it and filling it takes as long as some shading.
+#[derive(Default)]
+struct Memory {
+    /// Of the rays to be cast.
+    next: Rays,
+    /// The rays of a round, and what they hit.
+    rays: Rays,
+    found: Vec<Found>,
+    light: Scratch,
+}
+
+thread_local! {
+    static MEMORY: Cell<Memory> = Cell::default();
 }
 
 /// The normal of the facet that a sample meets: the surface's own where it is smooth.
