@@ -81,6 +81,16 @@ impl<'a> Point<'a> {
         self.spawn(direction, true)
     }
 
+    /// A ray to a light in front of the surface, but for its direction and length.
+    pub fn to_light(&self) -> Query {
+        let Ray { time, .. } = self.ray;
+        let SurfacePoint { point: origin, error, .. } = self.surface;
+        let ray = Ray { origin, direction: DVec3::ZERO, time, error };
+        let departure = Departure { from: self.hit.id, outward: self.outside };
+        let contacts = Contacts { crossed: false, except: self.arrived };
+        Query::new(ray, 0.0, Some(departure), contacts)
+    }
+
     fn spawn(&self, direction: DVec3, crossed: bool) -> Leg {
         let contacts = Contacts { crossed, except: self.arrived };
         Leg { contacts, ..leave(&self.ray, self.hit.id, &self.surface, direction) }
