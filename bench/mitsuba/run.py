@@ -8,7 +8,7 @@
 Prints Markdown tables. Needs Python 3 with `pip install mitsuba numpy`. DIOPTRIC names the program, SEEDS how many
 pictures of each program a mean is made of (8), SAMPLES their samples (256), SIZE their side (128); for `error` THREADS (2),
 REFERENCE the samples of the reference (16384), ROUNDS how often each picture is made, in turn (3), VARIANTS which Mitsuba
-("llvm_ad_rgb scalar_rgb").
+("llvm_ad_rgb scalar_rgb"). The llvm ones need LLVM 16 or newer; DRJIT_LIBLLVM_PATH names it.
 
 `agree` cuts the pictures into 8 x 8 blocks. For each block, Welch's t-test asks whether the two means are those of one
 distribution; 1 % of the blocks should be beyond the limit of 1 %.

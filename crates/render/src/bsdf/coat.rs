@@ -12,9 +12,8 @@ use dioptric_math::{DVec3, Spectrum, ln};
 
 use super::BsdfSample;
 use super::diffuse::{cosine_direction, cosine_pdf};
-use super::ggx::{Ggx, mirrored};
+use super::ggx::Facets;
 use super::loss::Sheen;
-use super::mirror::Glint;
 use crate::integrator::optics::fresnel;
 
 /// The index of refraction of a coat that mirrors this much at a right angle: `(1 + r) / (1 - r)` with its
@@ -103,21 +102,19 @@ impl Ground {
 /// down to the ground with what is not mirrored.
 #[derive(Clone, Copy, Debug)]
 pub struct Glaze {
-    ggx: Ggx,
-    lambda: f64,
+    facets: Facets,
     eta: f64,
 }
 
 impl Glaze {
     /// A coat of facets of width `alpha`.
     pub(super) fn new(alpha: f64, ior: f64, wo: DVec3) -> Self {
-        let ggx = Ggx { alpha };
-        Self { ggx, lambda: ggx.lambda(wo), eta: 1.0 / ior }
+        Self { facets: Facets::new(alpha, wo), eta: 1.0 / ior }
     }
 
     #[inline]
     pub(super) fn eval_pdf(&self, wo: DVec3, wi: DVec3) -> (Spectrum, f64) {
-        match Glint::new(self.ggx, self.lambda, wo, wi) {
+        match self.facets.glint(wo, wi) {
             Some(once) => (Spectrum::splat(fresnel(once.cos, self.eta) * once.f), once.pdf),
             None => (Spectrum::ZERO, 0.0),
         }
@@ -125,7 +122,7 @@ impl Glaze {
 
     #[inline]
     pub(super) fn sample(&self, wo: DVec3, u: [f64; 2]) -> Option<BsdfSample> {
-        let wi = mirrored(wo, self.ggx.visible_normal(wo, u));
+        let wi = self.facets.mirrored(wo, u);
         let (f, pdf) = self.eval_pdf(wo, wi);
         (pdf > 0.0).then(|| BsdfSample { wi, weight: f / pdf, pdf })
     }
@@ -161,5 +158,22 @@ mod tests {
             assert!((mean_fresnel(ior) - sum).abs() < 1e-5, "{ior}: {sum}");
         }
         assert!((index(0.04) - 1.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_smooth_coat_is_that_of_another_program() {
+        // Mitsuba 3.9.1, `plastic` with int_ior 1.5, ext_ior 1, nonlinear, eval in single precision.
+        let albedo = Spectrum::new(0.1, 0.5, 0.9);
+        for (o, i, expected) in [
+            (0.8, 0.7, [0.009_556_53, 0.064_041_20, 0.174_726_59]),
+            (0.3, 0.5, [0.005_428_13, 0.036_375_55, 0.099_245_12]),
+            (0.5, 0.4, [0.004_754_96, 0.031_864_40, 0.086_937_13]),
+        ] {
+            let at = |z: f64| DVec3::new((1.0 - z * z).sqrt(), 0.0, z);
+            let ground = Ground::new(albedo, 1.5, Coat::Smooth(1.0 / 1.5), at(o));
+            let (f, _) = ground.eval_pdf(at(i));
+            let error = (f / Spectrum::from(expected) - Spectrum::ONE).abs().max_element();
+            assert!(error < 1e-3, "{o} {i}: {f}");
+        }
     }
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Lambert's surface, and directions in proportion to their cosine.
 
-use std::f64::consts::{FRAC_1_PI, PI};
+use std::f64::consts::FRAC_1_PI;
 
 use dioptric_math::{DVec3, Spectrum};
 
@@ -41,13 +41,4 @@ pub(super) fn cosine_direction(u: [f64; 2]) -> Option<DVec3> {
 #[inline]
 pub(super) fn cosine_pdf(wi: DVec3) -> f64 {
     wi.z.max(0.0) * FRAC_1_PI
-}
-
-/// A direction above the surface, all alike. `None` for one within the surface.
-#[inline]
-pub(super) fn uniform_direction(u: [f64; 2]) -> Option<DVec3> {
-    let (s, c) = dioptric_math::sin_cos(2.0 * PI * u[0]);
-    let z = 1.0 - u[1];
-    let r = (1.0 - z * z).max(0.0).sqrt();
-    (z > 0.0).then_some(DVec3::new(r * c, r * s, z))
 }

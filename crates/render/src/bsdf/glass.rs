@@ -86,3 +86,56 @@ impl Glass {
         (weight != Spectrum::ZERO).then(|| BsdfSample::sharp(wi, weight))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WHITE: [Spectrum; 2] = [Spectrum::ONE; 2];
+
+    fn glass(eta: f64, solid: bool, [reflect, transmit]: [Spectrum; 2]) -> Glass {
+        let sides = Sides { eta, outside: eta < 1.0 || !solid, solid };
+        Glass { interface: Interface::new(&sides, reflect, transmit) }
+    }
+
+    #[test]
+    fn fresnel_picks_the_way_and_radiance_is_squeezed() {
+        let wo = DVec3::new(0.6, 0.0, 0.8);
+        let reflected = fresnel(0.8, 1.0 / 1.5);
+        let into = glass(1.0 / 1.5, true, WHITE);
+        let back = into.sample(wo, reflected * 0.999).unwrap();
+        assert_eq!(back.wi, DVec3::new(-0.6, 0.0, 0.8));
+        assert!((back.weight - Spectrum::ONE).length() < 1e-12 && back.is_sharp());
+        let on = into.sample(wo, reflected * 1.001).unwrap();
+        assert!((on.wi.x + 0.4).abs() < 1e-12 && on.wi.z < 0.0);
+        assert!((on.weight - Spectrum::splat(1.0 / 2.25)).length() < 1e-12);
+        // Out again: the direction and the radiance that were.
+        let out = glass(1.5, true, WHITE).sample(-on.wi, 0.999).unwrap();
+        assert!((out.wi + wo).length() < 1e-12);
+        assert!((on.weight * out.weight - Spectrum::ONE).length() < 1e-12);
+    }
+
+    #[test]
+    fn nothing_leaves_beyond_the_critical_angle() {
+        let inner = DVec3::new(0.8, 0.0, 0.6);
+        for pick in [0.0, 0.5, 0.999_999] {
+            let sample = glass(1.5, true, WHITE).sample(inner, pick).unwrap();
+            assert_eq!((sample.wi, sample.weight), (DVec3::new(-0.8, 0.0, 0.6), Spectrum::ONE));
+        }
+    }
+
+    #[test]
+    fn tints_are_met_outside_and_what_is_black_is_not_looked_for() {
+        let tints = [Spectrum::ZERO, Spectrum::new(0.2, 0.4, 1.0)];
+        let wo = DVec3::Z;
+        let on = glass(1.0 / 1.5, true, tints).sample(wo, 0.0).unwrap();
+        assert!((on.weight - tints[1] * (0.96 / 2.25)).length() < 1e-12 && on.wi.z < 0.0);
+        let inside = glass(1.5, true, tints);
+        assert_eq!((inside.interface.reflect, inside.interface.transmit), (WHITE[0], WHITE[1]));
+        // A pane has two outsides: 2 R / (1 + R) come back, the rest goes straight on.
+        let pane = glass(1.0 / 1.5, false, WHITE);
+        assert!((pane.interface.reflected(1.0) - 0.08 / 1.04).abs() < 1e-12);
+        let on = pane.sample(DVec3::new(0.6, 0.0, 0.8), 0.99).unwrap();
+        assert_eq!((on.wi, on.weight), (DVec3::new(-0.6, 0.0, -0.8), Spectrum::ONE));
+    }
+}

@@ -150,30 +150,30 @@ impl Sheen {
 mod tests {
     use dioptric_math::{DVec3, pow};
 
-    use super::super::ggx::{Ggx, mirrored};
+    use super::super::ggx::{Facets, mirrored};
     use super::*;
     use crate::integrator::optics::refract;
 
     /// What is mirrored by facets that mirror all, what is mirrored by a dielectric's, and what goes through them,
     /// by quadrature over the facets seen: at the one end there are few, but with much effect.
     fn albedos(alpha: f64, cos: f64, eta: f64, n: u32) -> [f64; 3] {
-        let (ggx, wo) = (Ggx { alpha }, DVec3::new((1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos));
+        let wo = DVec3::new((1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos);
+        let facets = Facets::new(alpha, wo);
         let at = |i: u32| (f64::from(i) + 0.5) / f64::from(n);
-        let lambda = ggx.lambda(wo);
         let mut sums = [0.0; 3];
         for i in 0..n * n {
             let rest = 1.0 - at(i / n);
-            let m = ggx.visible_normal(wo, [0.5 * at(i % n), 1.0 - rest * rest]);
+            let m = facets.visible_normal(wo, [0.5 * at(i % n), 1.0 - rest * rest]);
             let weight = 2.0 * rest / f64::from(n * n);
             let f = fresnel(wo.dot(m), eta);
             let wi = mirrored(wo, m);
-            if wi.z > 0.0 {
-                let left = weight * (1.0 + lambda) / (1.0 + lambda + ggx.lambda(wi));
+            if let Some(glint) = facets.glint(wo, wi).filter(|glint| glint.f > 0.0) {
+                let left = weight * glint.f / glint.visible_pdf;
                 sums[0] += left;
                 sums[1] += left * f;
             }
             if let Some(wi) = refract(-wo, m, eta).filter(|wi| wi.z < 0.0) {
-                sums[2] += weight * (1.0 - f) * ggx.g1(wi);
+                sums[2] += weight * (1.0 - f) * facets.shown(wi);
             }
         }
         sums

@@ -6,9 +6,9 @@ use std::f64::consts::FRAC_1_PI;
 use dioptric_math::{DVec3, Spectrum};
 
 use super::BsdfSample;
-use super::diffuse::{cosine_direction, cosine_pdf};
-use super::ggx::{Ggx, LOWEST, image, mirrored};
+use super::ggx::{Facets, image};
 use super::loss::Loss;
+use super::often;
 use crate::integrator::optics::schlick;
 
 /// A sharp mirror, seen from one direction: one direction goes on, with this weight.
@@ -31,9 +31,8 @@ impl Mirror {
 /// SIGGRAPH 2017 course; the colour of many reflections as by Hill, "A Multi-Faceted Exploration (Part 4)", 2018).
 #[derive(Clone, Copy, Debug)]
 pub struct RoughMirror {
-    ggx: Ggx,
+    facets: Facets,
     loss: Loss,
-    lambda: f64,
     reflect: Spectrum,
     grazing: Spectrum,
     /// What several facets mirror: times the loss in the other direction.
@@ -45,7 +44,6 @@ pub struct RoughMirror {
 impl RoughMirror {
     /// A mirror whose facets reflect from `reflect` to `grazing` by Schlick's curve.
     pub(super) fn new(alpha: f64, reflect: Spectrum, grazing: Spectrum, wo: DVec3) -> Self {
-        let ggx = Ggx { alpha };
         let loss = Loss::of_mirror(alpha);
         let (lost, mean) = (loss.at(wo.z), loss.mean());
         // The mean of Schlick's curve over the hemisphere: 2 int mu (1 - mu)^5 = 1 / 21.
@@ -54,9 +52,8 @@ impl RoughMirror {
         let once = schlick(reflect, grazing, wo.z).max_element() * (1.0 - lost);
         let often = many.max_element() * lost;
         Self {
-            ggx,
+            facets: Facets::new(alpha, wo),
             loss,
-            lambda: ggx.lambda(wo),
             reflect,
             grazing,
             often: many * (lost / mean * FRAC_1_PI),
@@ -71,46 +68,47 @@ impl RoughMirror {
 
     #[inline]
     pub(super) fn eval_pdf(&self, wo: DVec3, wi: DVec3) -> (Spectrum, f64) {
-        let Some(once) = Glint::new(self.ggx, self.lambda, wo, wi) else {
-            return (Spectrum::ZERO, 0.0);
-        };
+        let Some(once) = self.facets.glint(wo, wi) else { return (Spectrum::ZERO, 0.0) };
         let f = schlick(self.reflect, self.grazing, once.cos) * once.f
             + self.often * (self.loss.at(wi.z) * wi.z);
-        (f, (1.0 - self.chance) * once.pdf + self.chance * cosine_pdf(wi))
+        let around = often::density(self.facets.alpha, wi.z);
+        (f, (1.0 - self.chance) * once.pdf + self.chance * around)
     }
 
     #[inline]
     pub(super) fn sample(&self, wo: DVec3, pick: f64, u: [f64; 2]) -> Option<BsdfSample> {
         let wi = if pick < self.chance {
-            cosine_direction(u)?
+            often::direction(self.facets.alpha, u)?
         } else {
-            mirrored(wo, self.ggx.visible_normal(wo, u))
+            self.facets.mirrored(wo, u)
         };
         let (f, pdf) = self.eval_pdf(wo, wi);
         (pdf > 0.0).then(|| BsdfSample { wi, weight: f / pdf, pdf })
     }
 }
 
-/// What facets that mirror everything send from `wi` to `wo`.
-pub(super) struct Glint {
-    /// `D G2 / (4 cos cos) cos`.
-    pub f: f64,
-    /// The density of the mirror image of `wo` at a visible facet.
-    pub pdf: f64,
-    /// The cosine of the angle of incidence on the facet.
-    pub cos: f64,
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-impl Glint {
-    /// `None` where `wi` is not above the surface; `lambda` is that of `wo`.
-    #[inline]
-    pub fn new(ggx: Ggx, lambda: f64, wo: DVec3, wi: DVec3) -> Option<Self> {
-        if wi.z <= 0.0 {
-            return None;
-        }
-        let m = dioptric_math::normalize(wo + wi)?;
-        let d = ggx.density(m) / (4.0 * wo.z.max(LOWEST));
-        let f = d / (1.0 + lambda + ggx.lambda(wi));
-        Some(Self { f, pdf: d / (1.0 + lambda), cos: wo.dot(m) })
+    #[test]
+    fn a_hardly_rough_mirror_is_a_sharp_one() {
+        let wo = DVec3::new(0.6, 0.0, 0.8);
+        let (low, high) = (Spectrum::new(0.9, 0.5, 0.2), Spectrum::ONE);
+        let rough = RoughMirror::new(2e-4, low, high, wo);
+        let sharp = Mirror { weight: schlick(low, high, wo.z) };
+        let sample = rough.sample(wo, 0.9, [0.3, 0.4]).unwrap();
+        assert!((sample.wi - sharp.sample(wo).wi).length() < 1e-3);
+        assert!((sample.weight - sharp.weight).length() < 1e-3, "{}", sample.weight);
+    }
+
+    #[test]
+    fn many_reflections_make_colours_deeper() {
+        let wo = DVec3::Z;
+        let gold = Spectrum::new(1.0, 0.5, 0.1);
+        let rough = RoughMirror::new(1.0, gold, gold, wo);
+        // Far from the mirrored direction hardly anything has been reflected only once.
+        let (f, _) = rough.eval_pdf(wo, DVec3::new(0.995, 0.0, (1.0 - 0.995_f64 * 0.995).sqrt()));
+        assert!(f.y / f.x < 0.5 && f.z / f.x < 0.1, "{f}");
     }
 }

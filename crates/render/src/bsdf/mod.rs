@@ -39,6 +39,7 @@ mod glass;
 mod lobe;
 mod loss;
 mod mirror;
+mod often;
 mod pane;
 mod shares;
 mod shine;
@@ -99,18 +100,28 @@ pub struct Bsdf {
 const NO_LOBE: Lobe = Lobe::Lambert(Lambert { albedo: Spectrum::ZERO });
 
 impl Bsdf {
+    /// Scatters nothing.
+    pub const BLACK: Self = Self { lobes: [NO_LOBE; MOST], shares: [1.0; MOST], count: 0 };
+
     /// How a surface scatters light to a viewer in the direction `wo`.
     #[must_use]
     pub fn new(finish: &Finish, sides: &Sides, wo: DVec3) -> Self {
-        let mut bsdf = Self { lobes: [NO_LOBE; MOST], shares: [1.0; MOST], count: 0 };
+        let mut bsdf = Self::BLACK;
+        bsdf.set(finish, sides, wo);
+        bsdf
+    }
+
+    /// Becomes another one. (In place: lobes are large, and paths need one at every surface.)
+    pub fn set(&mut self, finish: &Finish, sides: &Sides, wo: DVec3) {
+        self.count = 0;
         match finish.optics {
-            Optics::Opaque => bsdf.lit(finish, 1.0, wo),
+            Optics::Opaque => self.lit(finish, 1.0, wo),
             Optics::Mirror { reflect, grazing, roughness, covers: false } => {
-                bsdf.lit(finish, 1.0, wo);
-                bsdf.mirror(roughness, reflect, grazing, wo);
+                self.lit(finish, 1.0, wo);
+                self.mirror(roughness, reflect, grazing, wo);
             }
             Optics::Mirror { reflect, roughness, covers: true, .. } => {
-                bsdf.coated(finish.diffuse, reflect.max_element(), roughness, wo);
+                self.coated(finish.diffuse, reflect.max_element(), roughness, wo);
             }
             Optics::Shares { own, ior, tint, .. } => {
                 let eta = match (sides.solid, sides.outside) {
@@ -119,12 +130,12 @@ impl Bsdf {
                     (true, false) => ior,
                 };
                 let weight = if sides.outside {
-                    bsdf.lit(finish, own, wo);
+                    self.lit(finish, own, wo);
                     tint * (1.0 - own)
                 } else {
                     Spectrum::ONE
                 };
-                bsdf.add(Lobe::Passing(Passing { eta, weight }), weight.max_element());
+                self.add(Lobe::Passing(Passing { eta, weight }), weight.max_element());
             }
             Optics::Dielectric { reflect, transmit, roughness, .. } => {
                 let interface = Interface::new(sides, reflect, transmit);
@@ -135,11 +146,10 @@ impl Bsdf {
                     () if sides.solid => Lobe::Frosted(Frosted::new(interface, roughness, wo)),
                     () => Lobe::Pane(Pane::new(interface, roughness, wo)),
                 };
-                bsdf.add(lobe, interface.power());
+                self.add(lobe, interface.power());
             }
         }
-        bsdf.share_out();
-        bsdf
+        self.share_out();
     }
 
     /// The light that a surface scatters by itself, times `share`.
@@ -280,5 +290,59 @@ impl Bsdf {
         }
         let (f, pdf) = self.eval_pdf(wo, sample.wi);
         (pdf > 0.0).then(|| BsdfSample { wi: sample.wi, weight: f / pdf, pdf })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::material::{Highlight, HighlightModel};
+
+    const OUTSIDE: Sides = Sides { eta: 1.0, outside: true, solid: true };
+
+    fn glossy(image: bool) -> Finish {
+        let model = HighlightModel::Blinn;
+        let highlight = Highlight { model, color: Spectrum::ONE, exponent: 20.0, image };
+        Finish { highlight: Some(highlight), ..Finish::matte(Spectrum::splat(0.5)) }
+    }
+
+    #[test]
+    fn what_gives_nothing_is_no_lobe() {
+        let black = Bsdf::new(&Finish::matte(Spectrum::ZERO), &OUTSIDE, DVec3::Z);
+        assert!(black.is_black() && black.is_sharp());
+        assert_eq!(black.sample(DVec3::Z, 0.5, [0.5; 2]), None);
+        assert_eq!(black.eval_pdf(DVec3::Z, DVec3::Z), (Spectrum::ZERO, 0.0));
+        assert_eq!(Bsdf::new(&glossy(false), &OUTSIDE, DVec3::Z).count, 2);
+        // A highlight that stands for a mirror image is found by mirroring.
+        let mirrored = Bsdf::new(&glossy(true), &OUTSIDE, DVec3::Z);
+        assert!(matches!(mirrored.lobes[..mirrored.count], [Lobe::Lambert(_)]));
+    }
+
+    #[test]
+    fn things_transparent_by_shares_have_their_own_share_outside_only() {
+        let optics = Optics::Shares {
+            own: 0.25,
+            ior: 1.5,
+            tint: Spectrum::new(1.0, 0.5, 0.0),
+            absorption: Spectrum::ZERO,
+        };
+        let clear = Finish { optics, ..glossy(false) };
+        let wo = DVec3::new(0.6, 0.0, 0.8);
+        let bsdf = Bsdf::new(&clear, &OUTSIDE, wo);
+        assert_eq!(bsdf.count, 3);
+        let on = bsdf.sample(wo, 0.999, [0.5; 2]).unwrap();
+        assert!(on.is_sharp() && (on.wi.x + 0.4).abs() < 1e-12);
+        let expected = Spectrum::new(0.75, 0.375, 0.0) / bsdf.shares[2];
+        assert!((on.weight - expected).length() < 1e-12);
+        let lambert = Finish { highlight: None, ..Finish::matte(Spectrum::splat(0.125)) };
+        let (f, _) = Bsdf::new(&lambert, &OUTSIDE, wo).eval_pdf(wo, DVec3::Z);
+        let sum = bsdf.eval(wo, DVec3::Z);
+        assert!(sum.x > f.x && sum.x - f.x < 0.25 / 3.0);
+        let inside = Bsdf::new(&clear, &Sides { outside: false, ..OUTSIDE }, DVec3::Z);
+        assert!(inside.is_sharp() && inside.count == 1);
+        assert_eq!(inside.sample(DVec3::Z, 0.2, [0.5; 2]).unwrap().weight, Spectrum::ONE);
+        // A pane has two outsides and does not bend.
+        let pane = Bsdf::new(&clear, &Sides { solid: false, ..OUTSIDE }, wo);
+        assert_eq!(pane.sample(wo, 0.999, [0.5; 2]).unwrap().wi, -wo);
     }
 }

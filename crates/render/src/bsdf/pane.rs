@@ -5,28 +5,25 @@
 use dioptric_math::{DVec3, Spectrum};
 
 use super::BsdfSample;
-use super::ggx::{Ggx, mirrored, straight_on};
+use super::ggx::{Facets, straight_on};
 use super::glass::Interface;
-use super::mirror::Glint;
 
 /// A rough pane, seen from one direction. What facets mirror onto other facets goes through in the end.
 #[derive(Clone, Copy, Debug)]
 pub struct Pane {
     interface: Interface,
-    ggx: Ggx,
-    lambda: f64,
+    facets: Facets,
 }
 
 impl Pane {
     /// A pane with facets of width `alpha`.
     pub(super) fn new(interface: Interface, alpha: f64, wo: DVec3) -> Self {
-        let ggx = Ggx { alpha };
-        Self { interface, ggx, lambda: ggx.lambda(wo) }
+        Self { interface, facets: Facets::new(alpha, wo) }
     }
 
     #[inline]
     pub(super) fn eval_pdf(&self, wo: DVec3, wi: DVec3) -> (Spectrum, f64) {
-        match Glint::new(self.ggx, self.lambda, wo, wi) {
+        match self.facets.glint(wo, wi).filter(|once| once.pdf > 0.0) {
             Some(once) => {
                 let f = self.interface.reflected(once.cos) * once.f;
                 (self.interface.reflect * f, self.interface.chance(f / once.pdf) * once.pdf)
@@ -38,8 +35,8 @@ impl Pane {
     #[inline]
     pub(super) fn sample(&self, wo: DVec3, pick: f64, u: [f64; 2]) -> Option<BsdfSample> {
         let it = &self.interface;
-        let wi = mirrored(wo, self.ggx.visible_normal(wo, u));
-        let once = Glint::new(self.ggx, self.lambda, wo, wi).filter(|once| once.pdf > 0.0);
+        let wi = self.facets.mirrored(wo, u);
+        let once = self.facets.glint(wo, wi).filter(|once| once.pdf > 0.0);
         let reflected =
             once.as_ref().map_or(0.0, |once| it.reflected(once.cos) * once.f / once.pdf);
         let chance = it.chance(reflected);
@@ -52,5 +49,28 @@ impl Pane {
         }
         let weight = it.transmit * ((1.0 - reflected) / (1.0 - chance));
         (weight != Spectrum::ZERO).then(|| BsdfSample::sharp(straight_on(wo), weight))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Sides;
+    use super::*;
+
+    #[test]
+    fn it_loses_nothing_however_rough_and_bends_nothing() {
+        let sides = Sides { eta: 1.0 / 1.5, outside: true, solid: false };
+        let interface = Interface::new(&sides, Spectrum::ONE, Spectrum::ONE);
+        let wo = DVec3::new(0.8, 0.0, 0.6);
+        for alpha in [1e-3, 0.3, 1.0] {
+            let pane = Pane::new(interface, alpha, wo);
+            for pick in [0.0, 0.05, 0.5] {
+                for u in [[0.1, 0.2], [0.6, 0.7], [0.4, 0.95]] {
+                    let sample = pane.sample(wo, pick, u).unwrap();
+                    assert!((sample.weight - Spectrum::ONE).length() < 1e-9);
+                    assert!(!sample.is_sharp() || sample.wi == -wo);
+                }
+            }
+        }
     }
 }

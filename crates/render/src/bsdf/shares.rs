@@ -28,3 +28,19 @@ impl Passing {
         BsdfSample::sharp(wi, self.weight)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn it_bends_by_snell_and_is_mirrored_beyond_the_critical_angle() {
+        let weight = Spectrum::splat(0.85);
+        let wo = DVec3::new(0.6, 0.0, 0.8);
+        let on = Passing { eta: 1.0 / 1.5, weight }.sample(wo);
+        assert!((on.wi.x + 0.4).abs() < 1e-12 && on.wi.z < 0.0 && on.weight == weight);
+        assert_eq!(Passing { eta: 1.0, weight }.sample(wo).wi, -wo);
+        let mirrored = Passing { eta: 2.0, weight }.sample(wo);
+        assert_eq!((mirrored.wi, mirrored.weight), (DVec3::new(-0.6, 0.0, 0.8), weight));
+    }
+}

@@ -25,7 +25,10 @@ impl Shine {
         match self.highlight.model {
             HighlightModel::Phong => all,
             // A turn of the half vector turns the light by twice the angle, across by less.
-            HighlightModel::Blinn => 4.0 * all * wo.z.max(0.0),
+            HighlightModel::Blinn => {
+                let n = self.highlight.exponent;
+                all * (1.0 + 4.0 * n * wo.z.max(0.0)) / (1.0 + n)
+            }
         }
     }
 
@@ -75,4 +78,28 @@ fn around(axis: DVec3, n: f64, u: [f64; 2]) -> DVec3 {
     let (t, b) = orthonormal_basis(axis);
     let w = t * (r * c) + b * (r * s) + axis * cos;
     normalize(w).unwrap_or(axis)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sharp_light_gives_what_whitteds_pictures_show() {
+        // A sharp light's irradiance is pi times what arrives, so that pi f |cos| is the colour times the strength.
+        let color = Spectrum::new(1.0, 0.4, 0.0);
+        let wo = DVec3::new(0.6, 0.0, 0.8);
+        let wi = DVec3::new(-0.48, 0.6, 0.64);
+        let phong: f64 = 0.48 * 0.6 + 0.64 * 0.8;
+        let half = normalize(wo + wi).unwrap().z;
+        for (model, base) in [(HighlightModel::Phong, phong), (HighlightModel::Blinn, half)] {
+            for exponent in [0.0, 1.0, 7.0, 12.5] {
+                let highlight = Highlight { model, color, exponent, image: false };
+                let (f, _) = Shine { highlight }.eval_pdf(wo, wi);
+                let expected = color * pow(base, exponent);
+                assert!((f * PI - expected).length() < 1e-12, "{model:?} {exponent}");
+                assert_eq!(Shine { highlight }.eval_pdf(wo, -wi), (Spectrum::ZERO, 0.0));
+            }
+        }
+    }
 }

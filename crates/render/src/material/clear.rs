@@ -34,7 +34,8 @@ static SCHEMA: Schema = Schema {
           is seen through it. The ray is bent by Snell's law where it enters and where it leaves the same object;\n\
           inside, total reflection is followed. The shares are the same for every angle, which is simple and wrong:\n\
           `glass` follows Fresnel instead. One passage through the object counts as one bounce.\n\n\
-          `ior` is the index of refraction inside over that outside, so 1 does not bend.",
+          `ior` is the index of refraction inside over that outside, so 1 does not bend.\n\n\
+          Paths take the same shares, and follow every reflection inside as a bounce.",
     params: &[
         COLOR,
         Param::new(

@@ -37,7 +37,10 @@ static SCHEMA: Schema = Schema {
           `color` tints light once, where it enters; `absorption` weakens it all the way through the inside, so\n\
           that thick parts are darker. A light's mirror image is its highlight, `specular x light x\n\
           max(0, n.h)^exponent`. Its tinted shadow is what crosses two surfaces at a right angle, tinted and\n\
-          absorbed but not bent: bright caustics are not found.",
+          absorbed but not bent: bright caustics are not found.\n\n\
+          In paths rough glass is made of facets (GGX; Walter et al., \"Microfacet Models for Refraction through\n\
+          Rough Surfaces\", EGSR 2007) that also send light to each other, so that roughness takes none away;\n\
+          shadows and mirror images of lights are what paths find, without `shadow` and `specular`.",
     params: &[
         Param::new(
             "color",

@@ -32,7 +32,8 @@ static SCHEMA: Schema = Schema {
           The measurements: Johnson and Christy 1972 (copper, gold, silver) and 1974 (chromium, iron, nickel,\n\
           titanium), Rakic 1995 (aluminium), Querry 1985 (brass). `color` gives another one. A light's mirror\n\
           image is its highlight, as wide as `roughness` says. Metal has no colour of its own: it needs things\n\
-          around it to mirror.",
+          around it to mirror.\n\n\
+          In paths it is as rough as a rough `mirror`; facets that mirror light to each other deepen its colour.",
     params: &[
         Param::new(
             "metal",

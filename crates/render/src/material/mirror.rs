@@ -25,7 +25,11 @@ static SCHEMA: Schema = Schema {
     summary: "a mirror, the same for all angles",
     doc: "Shows `color x` what the mirrored ray sees, and nothing of its own. To mix a mirror with a colour use\n\
           `phong(mirror = ...)`; for gold or steel, which whiten towards the rim, `metal`. A light's mirror image\n\
-          is a highlight if `specular` is above 0.",
+          is a highlight if `specular` is above 0.\n\n\
+          In paths a rough one is made of small facets (GGX; Walter et al., \"Microfacet Models for Refraction\n\
+          through Rough Surfaces\", EGSR 2007) that also mirror light to each other (Kulla and Conty, \"Revisiting\n\
+          Physically Based Shading at Imageworks\", SIGGRAPH 2017 course), so that roughness takes no light away;\n\
+          the mirror image of a light is found, and no highlight is added.",
     params: &[
         Param::new(
             "color",

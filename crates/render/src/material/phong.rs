@@ -100,7 +100,9 @@ static SCHEMA: Schema = Schema {
           - `mirror x` what the mirrored ray sees (Whitted, \"An Improved Illumination Model for Shaded Display\",\n\
             CACM 23(6), 1980).\n\n\
           Nothing keeps the sum below 1: it is a recipe, not a measurement. For surfaces that never reflect more\n\
-          than they receive see `plastic`, `metal` and `mirror`.",
+          than they receive see `plastic`, `metal` and `mirror`.\n\n\
+          Paths scatter light by the same formulas, divided by pi, so that sharp lights look the same; there is no\n\
+          ambient light.",
     params: &[
         COLOR,
         SPECULAR,

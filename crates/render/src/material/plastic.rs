@@ -32,7 +32,10 @@ static SCHEMA: Schema = Schema {
           highlight) `+ w x` what the mirrored ray sees, so that a coat never makes light. w is\n\
           ((ior - 1) / (ior + 1))^2 at a right angle, 4 % for an index of 1.5, and grows to 1 at grazing angles\n\
           (Schlick, \"An Inexpensive BRDF Model for Physically-based Rendering\", 1994, equation 15). A light's\n\
-          mirror image is its highlight.",
+          mirror image is its highlight.\n\n\
+          In paths the coat mirrors by Fresnel's equations, over facets where it is rough (GGX), and throws light\n\
+          from below back to the colour again and again, which deepens it: `(1 - F_in) (1 - F_out) / ior^2 x color /\n\
+          (1 - color F_inside)`. A white one loses nothing.",
     params: &[
         Param::new(
             "color",

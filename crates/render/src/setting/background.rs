@@ -20,7 +20,8 @@ pub static SCHEMA: Schema = Schema {
           direction of the ray: in object and world space that is the point (x, y, z) of the unit sphere, so\n\
           that a gradient along the up axis is a sky; in uv space u is the longitude (0.5 straight ahead,\n\
           growing to the right) and v the latitude (0 below, 1 above), which fits panorama pictures. Mirrors and\n\
-          glass see it too; it lights nothing by itself.",
+          glass see it too. In Whitted's pictures it lights nothing by itself; by paths it lights everything, as the sky\n\
+          does.",
     params: &[
         Param::new("color", Type::ColorPattern, Default::Number(0.0), "Its colour."),
         Param::new("intensity", Type::NON_NEGATIVE, Default::Number(1.0), "Multiplies the colour."),

@@ -25,6 +25,7 @@ use super::media::{Inside, Media, absorbed};
 use super::point::Leg;
 use super::recorder::{RayKind, Recorder};
 use super::resolve::Spare;
+use crate::bsdf::Bsdf;
 use crate::film::{FirstHit, Radiance};
 use crate::sampling::stream::Stream;
 use crate::scene::Scene;
@@ -154,10 +155,10 @@ impl<'a, 'r, R: Recorder> Paths<'a, 'r, R> {
     /// Takes every path one surface further; those that go on are kept, in order.
     fn step(&mut self, round: &mut Round<R::Id>) {
         self.scene.world.closest_each(&round.queries, &mut round.hits);
-        let mut kept = 0;
+        let (mut kept, mut bsdf) = (0, Bsdf::BLACK);
         for i in 0..round.paths.len() {
             let (path, query, hit) = (round.paths[i], round.queries[i], round.hits[i]);
-            match self.meet(path, &query, hit, round) {
+            match self.meet(path, &query, hit, &mut bsdf, round) {
                 Some((path, query)) => {
                     round.paths[kept] = path;
                     round.queries[kept] = query;

@@ -46,12 +46,12 @@ impl Frame {
 }
 
 /// A surface that a path has met, ready to scatter.
-struct Vertex<'a> {
+struct Vertex<'a, 'b> {
     point: Point<'a>,
     frame: Frame,
     /// Towards the viewer, in the frame.
     wo: DVec3,
-    bsdf: Bsdf,
+    bsdf: &'b Bsdf,
     sides: Sides,
     solid: bool,
 }
@@ -97,6 +97,7 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
         mut path: Path<R::Id>,
         query: &Query,
         hit: Option<Hit>,
+        bsdf: &mut Bsdf,
         round: &mut Round<R::Id>,
     ) -> Option<(Path<R::Id>, Query)> {
         let scene = self.scene;
@@ -116,7 +117,7 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
             let medium = self.media.top(path.inside);
             self.recorder.hit(path.id, || record(scene, &point, 0, medium));
         }
-        let vertex = self.vertex(&path, point);
+        let vertex = self.vertex(&path, point, bsdf);
         self.see_glow(&path, query, &vertex);
         // The ray after the last bounce brings only what shines by itself: the other half of direct light.
         let next = if path.depth > scene.settings.bounces {
@@ -203,7 +204,12 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
     }
 
     /// How the surface scatters, seen along the ray.
-    fn vertex(&mut self, path: &Path<R::Id>, point: Point<'a>) -> Vertex<'a> {
+    fn vertex<'b>(
+        &mut self,
+        path: &Path<R::Id>,
+        point: Point<'a>,
+        bsdf: &'b mut Bsdf,
+    ) -> Vertex<'a, 'b> {
         let solid = point.is_solid(self.scene);
         let sides = match point.finish.optics {
             Optics::Dielectric { ior, absorption, .. } => {
@@ -228,7 +234,7 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
             outside: point.outside || !solid,
             solid,
         };
-        let bsdf = Bsdf::new(&point.finish, &seen, wo);
+        bsdf.set(&point.finish, &seen, wo);
         Vertex { point, frame, wo, bsdf, sides, solid }
     }
 
@@ -272,7 +278,7 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
         let leg = if through {
             self.counts.refract += 1;
             next.inside = vertex.sides.far;
-            if vertex.solid {
+            if vertex.solid && matches!(vertex.point.finish.optics, Optics::Dielectric { .. }) {
                 next.squeezed *= vertex.squeeze();
             }
             vertex.point.on(direction)
@@ -364,7 +370,7 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
     }
 }
 
-impl Vertex<'_> {
+impl Vertex<'_, '_> {
     /// Whether a sample goes through the surface, and its direction; nothing where a bent normal sends it to the
     /// wrong side. Sharp ones are turned at the true surface instead.
     fn outgoing(&self, sample: &BsdfSample) -> Option<(bool, DVec3)> {
