@@ -66,7 +66,7 @@ fn compare_bundles(world: &World, queries: &[Query], hits: &[Option<Hit>], block
             if wanted & 1 << (lane % 16) == 0 {
                 all.clear();
             }
-            assert!(passages.of(lane % 16).eq(&all), "{lane}: {query:?}");
+            assert_eq!(passages.of(lane % 16), all, "{lane}: {query:?}");
         }
     }
     // All, some and few of each sixteen.

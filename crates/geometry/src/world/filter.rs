@@ -170,12 +170,14 @@ impl Filter {
         let f = minus(load::<R>(&packet.origin), splat(self.center));
         let pad = R::load(&packet.pad);
         let room = R::splat(self.radius).add(pad);
+        // Added to squares, which lose their digits below.
+        let least = R::splat(f32::MIN_POSITIVE);
         match self.kind {
             Kind::Ball => {
                 // The point of the line that is nearest to the centre, from a short vector.
                 let b = dot(f, d);
                 let n = minus(f, [d[0].mul(b), d[1].mul(b), d[2].mul(b)]);
-                let near = dot(n, n).le(room.mul(room));
+                let near = dot(n, n).le(room.mul_add(room, least));
                 // The whole ball lies behind, or beyond the limit.
                 let ahead = b.le(room) & R::splat(0.0).sub(b).sub(room).le(R::load(&packet.limit));
                 near & ahead
@@ -187,19 +189,23 @@ impl Filter {
                     d[2].mul(a[0]).sub(d[0].mul(a[2])),
                     d[0].mul(a[1]).sub(d[1].mul(a[0])),
                 ];
-                // Twice the pad: the error of n counts with the whole reach, however small n is.
-                let (square, twice) = (dot(n, n), pad.add(pad));
-                let sine = square.sqrt();
-                let near = dot(f, n).abs().le(room.mul_add(sine, twice));
+                // The line's distance from the axis times the sine s of their angle is at most s times the room, and
+                // twice the pad: the error of n counts with the whole reach, however small n is. Without the root:
+                // (a + b)^2 is at most a^2 (1 + 1/64) + 65 b^2, and a little more for roundings.
+                let square = dot(n, n);
+                let apart = dot(f, n);
+                let within = room.mul(room).mul(square).mul_add(R::splat(1.016), least);
+                let near = apart.mul(apart).le(pad.mul(pad).mul_add(R::splat(261.0), within));
                 // Where ray and axis are nearest to each other, along both, and how far from there the ray is in the
                 // tube at most. Numerators are off by less than a pad; where the sine is at least 1/4, its square is
-                // off by less than its 2^-18th part, which of the numerators is less than 8 pads.
+                // off by less than its 2^-18th part, which of the numerators is less than 8 pads. And 1/s is at most
+                // (1 + 1/s^2) / 2.
                 let (cosine, along, ahead) = (dot(d, a), dot(f, a), dot(f, d));
                 let over = R::splat(1.0).div(square);
                 let t = cosine.mul(along).sub(ahead).mul(over);
                 let height = along.sub(cosine.mul(ahead)).mul(over);
                 let error = pad.mul(over).mul(R::splat(16.0));
-                let half = room.mul(sine).mul_add(over, error);
+                let half = over.add(R::splat(1.0)).mul(R::splat(0.500_001)).mul_add(room, error);
                 let beside = cosine.abs().mul_add(half, R::splat(self.extent)).add(error);
                 let zero = R::splat(0.0);
                 let passes = zero.sub(half).le(t)
@@ -212,11 +218,12 @@ impl Filter {
                 let slope = dot(a, d);
                 let steep = slope.abs();
                 let zero = R::splat(0.0);
-                let t = zero.sub(dot(a, f).div(slope));
-                // Errors of the height and of the slope (2^-22 at most), and how far the object may lie off the
-                // plane, over the slope.
+                let over = R::splat(1.0).div(slope);
+                let t = zero.sub(dot(a, f).mul(over));
+                // Errors of the height, of the slope (2^-22 at most) and two roundings, and how far the object may
+                // lie off the plane, over the slope.
                 let error = t.abs().mul_add(R::splat(5e-7), pad.mul(R::splat(6.0)));
-                let wrong = error.add(R::splat(self.extent)).div(steep);
+                let wrong = error.add(R::splat(self.extent)).mul(over.abs());
                 let p = [d[0].mul_add(t, f[0]), d[1].mul_add(t, f[1]), d[2].mul_add(t, f[2])];
                 let far = match self.kind {
                     Kind::Triangle | Kind::Rectangle => {
@@ -226,15 +233,15 @@ impl Filter {
                         let slack = R::splat(self.radius).mul(wrong);
                         let most = R::splat(1.0).add(slack);
                         if matches!(self.kind, Kind::Triangle) {
-                            let least = zero.sub(slack);
-                            u.le(least) | v.le(least) | most.le(u.add(v))
+                            let low = zero.sub(slack);
+                            u.le(low) | v.le(low) | most.le(u.add(v))
                         } else {
                             most.le(u.abs()) | most.le(v.abs())
                         }
                     }
                     _ => {
                         let room = room.add(wrong);
-                        room.mul(room).le(dot(p, p))
+                        room.mul_add(room, least).le(dot(p, p))
                     }
                 };
                 let behind = t.le(zero.sub(wrong));

@@ -27,17 +27,53 @@ thread_local! {
 /// All passages of the rays of a bundle.
 #[derive(Clone, Debug, Default)]
 pub struct Passages {
-    /// Sorted by the ray, then as [`World::hits`] does.
-    all: Vec<(u32, Hit)>,
+    /// As they were found: lane by lane they are sorted into `sorted`.
+    found: Vec<(u32, Hit)>,
+    sorted: Vec<Hit>,
+    /// Where in `sorted` those of each lane end.
+    ends: [usize; LANES],
 }
 
 impl Passages {
-    /// Those of one ray.
-    pub fn of(&self, lane: usize) -> impl Iterator<Item = &Hit> + Clone {
-        let first = self.all.partition_point(|(of, _)| (*of as usize) < lane);
-        let end = self.all.partition_point(|(of, _)| *of as usize <= lane);
-        self.all.get(first..end).unwrap_or_default().iter().map(|(_, hit)| hit)
+    /// Those of one ray, as [`World::hits`] has them.
+    #[must_use]
+    pub fn of(&self, lane: usize) -> &[Hit] {
+        let lane = lane % LANES;
+        let first = if lane == 0 { 0 } else { self.ends[lane - 1] };
+        self.sorted.get(first..self.ends[lane]).unwrap_or_default()
     }
+
+    fn sort(&mut self) {
+        let mut next = [0; LANES];
+        for (lane, _) in &self.found {
+            next[*lane as usize % LANES] += 1;
+        }
+        let mut end = 0;
+        for (next, place) in next.iter_mut().zip(&mut self.ends) {
+            let count = *next;
+            *next = end;
+            end += count;
+            *place = end;
+        }
+        let nothing = HitId { instance: 0, object: 0, part: 0 };
+        self.sorted.clear();
+        self.sorted.resize(end, Hit { t: 0.0, id: nothing });
+        for (lane, hit) in &self.found {
+            let place = &mut next[*lane as usize % LANES];
+            self.sorted[*place] = *hit;
+            *place += 1;
+        }
+        let mut first = 0;
+        for end in self.ends {
+            sort(&mut self.sorted[first..end]);
+            first = end;
+        }
+    }
+}
+
+/// Sorts hits by `t`, then id.
+fn sort(hits: &mut [Hit]) {
+    hits.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.id.cmp(&b.id)));
 }
 
 impl World {
@@ -46,7 +82,7 @@ impl World {
     pub fn hits(&self, ray: &Ray, t_max: f64, departure: Option<&Departure>, out: &mut Vec<Hit>) {
         out.clear();
         self.each_hit(ray, t_max, departure, |hit| out.push(hit));
-        out.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.id.cmp(&b.id)));
+        sort(out);
     }
 
     fn each_hit(
@@ -66,13 +102,13 @@ impl World {
 
     /// [`Self::hits`] of those rays of a bundle whose bits are set.
     pub fn hits_of_rays(&self, bundle: &Bundle, rays: Mask, out: &mut Passages) {
-        out.all.clear();
+        out.found.clear();
         let mut crossings = CROSSINGS.take();
         let mut rest = rays;
         if let Some(level) = self.levels.first()
             && let Some(objects) = self.objects.get(level.first..)
         {
-            let found = (&mut out.all, &mut crossings);
+            let found = (&mut out.found, &mut crossings);
             let gather = Gather { world: self, bundle, level, objects, found, left: Left::NOTHING };
             rest = match level.bvh.lanes() {
                 // SAFETY: a tree's lanes are never more than the processor has.
@@ -90,12 +126,10 @@ impl World {
             rest &= rest - 1;
             let query = bundle.query(lane);
             self.each_hit(&query.ray, query.t_max, query.departure().as_ref(), |hit| {
-                out.all.push((lane as u32, hit));
+                out.found.push((lane as u32, hit));
             });
         }
-        out.all.sort_unstable_by(|(i, a), (j, b)| {
-            i.cmp(j).then(a.t.total_cmp(&b.t)).then(a.id.cmp(&b.id))
-        });
+        out.sort();
     }
 }
 

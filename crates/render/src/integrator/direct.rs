@@ -208,7 +208,7 @@ impl<R: Recorder> Whitted<'_, '_, R> {
                 for lane in lanes(shaded) {
                     let query = lit.rays.bundles()[at].query(lane);
                     let visibility = Leg::of(&query).map_or(Spectrum::ONE, |leg| {
-                        scene.tinted_by(&leg, query.t_max, passages.of(lane))
+                        scene.tinted_by(&leg, query.t_max, passages.of(lane).iter())
                     });
                     if visibility != Spectrum::ZERO {
                         if !between.tinted {
