@@ -4,7 +4,10 @@
 use dioptric_scene::Diagnostic;
 
 /// Side of a tile in pixels: small enough to share work evenly, large enough to make little fuss.
-pub const TILE: u32 = 16;
+pub const TILE: u32 = 32;
+
+/// Of fewer pixels than this tiles are half as wide and high, so that many threads share them evenly, too.
+const SMALL: u64 = 1 << 18;
 
 /// A rectangle of pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -82,12 +85,13 @@ impl Region {
     /// picture's tiles do.
     #[must_use]
     pub fn tiles(&self) -> Vec<Self> {
+        let side = if self.area() < SMALL { TILE / 2 } else { TILE };
         let cut = |start: u32, length: u32| {
             let end = start.saturating_add(length);
             let mut parts = Vec::new();
             let mut from = start;
             while from < end {
-                let to = (from / TILE).saturating_add(1).saturating_mul(TILE).min(end);
+                let to = (from / side).saturating_add(1).saturating_mul(side).min(end);
                 parts.push((from, to - from));
                 from = to;
             }
@@ -113,6 +117,7 @@ mod tests {
             Region { x: 0, y: 0, width: 1, height: 1 },
             Region { x: 5, y: 30, width: 70, height: 33 },
             Region::full([64, 48]),
+            Region { x: 7, y: 1, width: 600, height: 500 },
         ] {
             let mut seen = vec![0; region.area() as usize];
             for tile in region.tiles() {

@@ -138,7 +138,7 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
 
     /// Follows all rays to their ends; false if cancelled meanwhile.
     fn run(&mut self, cancel: &AtomicBool) -> bool {
-        let mut round = Round { met: Vec::new(), answers: Vec::new(), legs: Vec::new() };
+        let mut round = Round { met: Vec::new(), legs: Vec::new() };
         let mut memory = std::mem::take(&mut self.memory);
         let mut complete = true;
         while complete && !self.legs.is_empty() {
@@ -153,7 +153,7 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
     /// Casts the rays that came last, and shades what they meet.
     fn round(&mut self, round: &mut Round<'a, R::Id>, memory: &mut Memory) {
         let scene = self.scene;
-        let Memory { rays, found, light, .. } = memory;
+        let Memory { rays, found, answers, light, .. } = memory;
         self.next.take_last(ROUND, rays);
         round.legs.clear();
         if self.next.is_empty() {
@@ -167,8 +167,7 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
         for (i, leg) in round.legs.iter().enumerate() {
             let rays = &rays.bundles()[i / LANES];
             let hit = found[i / LANES].best(i);
-            let spare = &mut round.answers;
-            match hit.and_then(|hit| self.resolve(rays, i, hit, leg.way.inside, spare)) {
+            match hit.and_then(|hit| self.resolve(rays, i, hit, leg.way.inside, answers)) {
                 Some((hit, shading)) => {
                     let query = rays.query(i);
                     let point = Point::new(&query.ray, hit, shading, query.departure().as_ref());
@@ -187,7 +186,7 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
         }
         for met in met.drain(..) {
             if let Answer::Here(answer) = met.point.finish {
-                round.answers.push(answer);
+                answers.push(answer);
             }
         }
         round.met = met;
@@ -366,8 +365,6 @@ type Spare = Vec<Box<Finish>>;
 /// Memory that the rounds of a batch use again.
 struct Round<'a, I> {
     met: Vec<Met<'a, I>>,
-    /// Boxes for answers of materials with patterns.
-    answers: Spare,
     legs: Vec<Follow<I>>,
 }
 
@@ -379,6 +376,8 @@ struct Memory {
     /// The rays of a round, and what they hit.
     rays: Rays,
     found: Vec<Found>,
+    /// Boxes for answers of materials with patterns.
+    answers: Spare,
     light: Scratch,
 }
 

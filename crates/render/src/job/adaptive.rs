@@ -148,15 +148,18 @@ pub(super) fn wants_more(
     pixel: [u32; 2],
 ) -> bool {
     let at = |x, y| around.index(x, y).and_then(|i| summaries.get(i));
-    let Some(own) = at(pixel[0], pixel[1]) else { return false };
-    let neighbours = Region { x: pixel[0], y: pixel[1], width: 1, height: 1 }.grown(settings.size);
+    let [x, y] = pixel;
+    let Some(own) = at(x, y) else { return false };
+    let differs = |x: Option<u32>, y: Option<u32>| {
+        let other = x.zip(y).and_then(|(x, y)| at(x, y));
+        other.is_some_and(|other| own.differs(other, settings.threshold))
+    };
     settings.max_samples > settings.samples
         && (own.is_uneven(settings.threshold)
-            || neighbours
-                .pixels()
-                .filter(|[x, y]| x.abs_diff(pixel[0]) + y.abs_diff(pixel[1]) == 1)
-                .filter_map(|[x, y]| at(x, y))
-                .any(|other| own.differs(other, settings.threshold)))
+            || differs(x.checked_sub(1), Some(y))
+            || differs(x.checked_add(1), Some(y))
+            || differs(Some(x), y.checked_sub(1))
+            || differs(Some(x), y.checked_add(1)))
 }
 
 /// How many samples a pixel of the picture gets. For adaptive pictures this shoots the base samples of

@@ -246,20 +246,32 @@ struct PassProgress {
 
 impl State {
     fn store(&mut self, tile: Sampled, around: &Region, finished: bool, control: &Control) {
-        for (i, ([x, y], pixel)) in tile.region.pixels().zip(&tile.pixels).enumerate() {
-            if !tile.complete.get(i).copied().unwrap_or(false) {
+        let Region { x, y, width, height } = tile.region;
+        let width = width as usize;
+        for row in 0..height as usize {
+            let own = row * width..(row + 1) * width;
+            let (Some(pixels), Some(complete)) =
+                (tile.pixels.get(own.clone()), tile.complete.get(own.clone()))
+            else {
                 continue;
-            }
-            self.progress.done += 1;
-            if let Some(summary) = tile.summaries.get(i) {
-                let index = around.index(x, y);
-                if let Some(slot) = index.and_then(|i| self.summaries.get_mut(i)) {
+            };
+            self.progress.done += complete.iter().filter(|complete| **complete).count() as u64;
+            let summaries = tile.summaries.get(own).unwrap_or_default();
+            let at = around.index(x, y + row as u32).unwrap_or(usize::MAX);
+            let slots = self.summaries.get_mut(at..).unwrap_or_default();
+            for ((slot, summary), complete) in slots.iter_mut().zip(summaries).zip(complete) {
+                if *complete {
                     *slot = *summary;
                 }
             }
-            if let Some(slot) = self.film.pixel_mut(x, y) {
-                *slot = *pixel;
-                slot.finished = finished;
+            // Tiles of what is around the film may stick out of it.
+            for (column, (pixel, _)) in
+                pixels.iter().zip(complete).enumerate().filter(|(_, (_, complete))| **complete)
+            {
+                if let Some(slot) = self.film.pixel_mut(x + column as u32, y + row as u32) {
+                    *slot = *pixel;
+                    slot.finished = finished;
+                }
             }
         }
         self.film.rays.add(&tile.rays);
