@@ -5,12 +5,13 @@
 //! than the radius. Let u = 2^-24 and R bound the coordinates of origin and balls together. An offset is off by
 //! 2uR, the direction by u and the inverse of its square by 4u, so that the part along the ray is off by less than
 //! 25uR, and what is left by less than 32uR along each axis: together less than 56uR.
-
 //!
 //! Half the chord is then at most the root of (r + s)^2 - q^2, with this error s, the radius r and what was worked
-//! out for the distance q; the roundings of these squares are less than 4u of the first.
+//! out for the distance q; the roundings of these squares are less than 4u of the first. And where q is no more than
+//! r - s the ball is hit for certain, and half the chord at least the root of (r - s)^2 - q^2, for that is
+//! no more than r^2 - (q + s)^2.
 
-use dioptric_math::DVec3;
+use super::ray::Start;
 
 /// Balls of a packet.
 pub(crate) const BALLS: usize = 8;
@@ -34,7 +35,7 @@ impl Balls {
     }
 }
 
-/// A ray among balls in single precision, its direction scaled so that the largest component is 1.
+/// A ray among balls in single precision, its direction scaled so that the largest component is about 1.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BallRay {
     /// About the tree's centre.
@@ -51,25 +52,23 @@ pub(crate) struct BallRay {
 
 impl BallRay {
     /// By how much of the square of radius and error together the square of half the chord is off, and more.
-    pub const SQUARES: f32 = 1.0 + 5e-7;
+    pub const SQUARES: f32 = 5e-7;
     /// Covers the roundings of half the chord.
-    pub const CHORD: f32 = 1.0 + 1e-6;
+    pub const CHORD: f32 = 1e-6;
+    /// Covers the rounding of radii.
+    pub const RADII: f32 = 1.0 - 3e-7;
 
-    /// The ray from `origin` (about the tree's centre), where `reach` bounds the coordinates of the balls, and
-    /// `pad` what hits may be off by otherwise.
+    /// For balls with coordinates up to `extent` about the tree's centre; `pad` is what hits may be off by otherwise.
     #[inline(always)]
-    pub fn new(origin: DVec3, direction: DVec3, reach: f64, pad: f64) -> Self {
-        let scale = direction.abs().max_element();
-        let scaled = direction * (1.0 / scale);
-        let direction = [scaled.x as f32, scaled.y as f32, scaled.z as f32];
-        let [x, y, z] = direction;
-        let reach = reach + origin.abs().max_element();
+    pub fn new(start: &Start, extent: f32, pad: f32) -> Self {
+        let [x, y, z, _] = start.direction.to_array();
+        let reach = extent + start.away;
         Self {
-            origin: [origin.x as f32, origin.y as f32, origin.z as f32],
-            direction,
+            origin: start.origin.truncate().to_array(),
+            direction: [x, y, z],
             inverse: 1.0 / (x * x + y * y + z * z),
-            slack: (reach * (80.0 / f64::from(1u32 << 24)) + pad) as f32 + f32::MIN_POSITIVE,
-            usable: reach + pad < 1e18 && scale > 1e-300 && scale < f64::INFINITY,
+            slack: reach * (81.0 / (1u32 << 24) as f32) + pad + f32::MIN_POSITIVE,
+            usable: start.usable && reach + pad < 1e18,
         }
     }
 }

@@ -40,6 +40,8 @@ const LARGEST: f32 = 1e28;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Start {
     pub ray: BoxRay,
+    /// Where it starts, about the tree's centre.
+    pub origin: Vec4,
     /// Where it goes, scaled so that the largest component is about 1.
     pub direction: Vec4,
     /// 1 over that.
@@ -105,7 +107,7 @@ impl Start {
         };
         let longest = size.cmpeq(Vec4::splat(size.max_element())).bitmask();
         let axis = (longest.trailing_zeros() as usize).min(2);
-        Self { ray, direction, inverse, away, axis, usable }
+        Self { ray, origin: relative, direction, inverse, away, axis, usable }
     }
 }
 

@@ -61,11 +61,6 @@ impl Task {
     fn child(self) -> Child {
         Child(self.0 as u32)
     }
-
-    #[inline(always)]
-    fn near(self) -> f32 {
-        f32::from_bits((self.0 >> 32) as u32)
-    }
 }
 
 /// A level leaves at most this many tasks behind.
@@ -90,15 +85,33 @@ impl Bvh {
     }
 }
 
+/// Where things lie in a row.
+#[derive(Clone, Copy)]
+pub(crate) struct Shelf {
+    start: *const u8,
+    /// Bytes of each.
+    stride: usize,
+    /// The bits of a child that are its index.
+    mask: u32,
+}
+
+impl Shelf {
+    /// For things of which children have the index in these bits.
+    #[inline(always)]
+    pub fn of<I>(things: &[I], mask: usize) -> Self {
+        Self { start: things.as_ptr().cast(), stride: size_of::<I>(), mask: mask as u32 }
+    }
+}
+
 /// What is done with the leaves that are found.
 pub(crate) trait Leaves<T: Test, C> {
     /// Whether any hit will do, so that it is not worth while to sort.
     const ANY: bool = false;
 
-    /// Where the items from `first` on are, to fetch them ahead of time; any address will do.
+    /// Where the items are, to fetch them ahead of time; any address will do.
     #[inline(always)]
-    fn address(&self, _first: usize) -> *const u8 {
-        std::ptr::null()
+    fn shelf(&self) -> Shelf {
+        Shelf { start: std::ptr::null(), stride: 0, mask: 0 }
     }
 
     /// Gets a range of items and returns how far is still of interest, in the units of [`BoxRay::limit`], or `None`
@@ -179,6 +192,7 @@ pub(super) unsafe fn walk_below<T: Test, C: Counter, L: Leaves<T, C>>(
     }
     // SAFETY: the caller answers for the instruction set.
     let spread = unsafe { T::spread(ray) };
+    let shelves = [Shelf::of(&bvh.nodes, Child::LEAF as usize - 1), leaf.shelf()];
     let mut tasks = Tasks::new();
     let mut top = 0;
     let mut at = from;
@@ -196,12 +210,11 @@ pub(super) unsafe fn walk_below<T: Test, C: Counter, L: Leaves<T, C>>(
                 let lane = entered.trailing_zeros() as usize % WIDTH;
                 Task::new(node.children[lane], near[lane])
             };
-            // What has to wait is fetched meanwhile.
+            // What has to wait is fetched meanwhile. No branch: which it is cannot be foreseen.
             let ahead = |task: Task| {
-                fetch(match task.child().node() {
-                    Some(index) => bvh.nodes.as_ptr().wrapping_add(index).cast(),
-                    None => leaf.address(task.child().items().start),
-                });
+                let child = task.child().0;
+                let shelf = &shelves[(child >> 31) as usize];
+                fetch(shelf.start.wrapping_add((child & shelf.mask) as usize * shelf.stride));
             };
             if entered != 0 {
                 let others = entered & (entered - 1);
@@ -244,7 +257,7 @@ pub(super) unsafe fn walk_below<T: Test, C: Counter, L: Leaves<T, C>>(
         loop {
             let Some(task) = tasks.pop(&mut top) else { return Some(()) };
             // Not `<`: another hit at the same t may have a lower id.
-            if task.near() <= limit {
+            if task.0 >> 32 <= u64::from(limit.to_bits()) {
                 at = task.child();
                 break;
             }
@@ -299,8 +312,9 @@ impl Tasks {
     }
 }
 
+/// Asks for a cache line.
 #[inline(always)]
-fn fetch_line(address: *const u8) {
+pub(crate) fn fetch_line(address: *const u8) {
     #[cfg(target_arch = "x86_64")]
     // SAFETY: fetching ahead touches no memory as the language has it, and any address will do.
     unsafe {

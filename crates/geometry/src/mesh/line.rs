@@ -116,6 +116,20 @@ impl Line {
         t.is_finite().then_some(Passage { t, normal })
     }
 
+    /// The `t` that [`Self::pass`] finds in a triangle that the line certainly passes: to the last bit, and with less to
+    /// do. `None` where it takes more.
+    #[inline(always)]
+    pub fn cut(&self, corners: &Corners) -> Option<f64> {
+        let (i, j, k) = (exact(corners[0]), exact(corners[1]), exact(corners[2]));
+        let n = (j - i).cross(k - i);
+        let [x, y, z] = self.origin;
+        let height = n.x * (i.x - x) + n.y * (i.y - y) + n.z * (i.z - z);
+        let t = height / self.rate(&[n.x, n.y, n.z]);
+        let depth = |corner: DVec3| (corner.z - z) * self.per_depth;
+        let (i, j, k) = (depth(i), depth(j), depth(k));
+        t.is_finite().then(|| t.max(i.min(j).min(k)).min(i.max(j).max(k)))
+    }
+
     /// How fast the line moves along a normal.
     #[inline(always)]
     pub fn rate(&self, normal: &[f64; 3]) -> f64 {

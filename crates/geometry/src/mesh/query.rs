@@ -10,7 +10,7 @@ use super::line::{Corners, Line, exact, nearest, normal};
 use super::{LARGE, Mesh};
 use crate::bvh::lanes::{Job, Test, apart};
 use crate::bvh::ray::Start;
-use crate::bvh::traverse::{Leaves, walk_tree};
+use crate::bvh::traverse::{Leaves, Shelf, walk_tree};
 use crate::bvh::triangles::{Aim, SIDE_BY_SIDE, Sight};
 use crate::bvh::{BoxRay, NoCount};
 use crate::ray::{Leaving, LocalRay};
@@ -233,7 +233,7 @@ impl<const ANY: bool> Job for Cast<'_, ANY> {
             walk_tree::<T, _, _>(&mesh.bvh, &start.ray, limit, &mut NoCount, &mut hits);
         }
         match hits.pending {
-            Some((packet, lane, _)) => hits.exact(packet, lane).or(hits.best),
+            Some((packet, lane, _)) => hits.certain(packet, lane).or(hits.best),
             None => hits.best,
         }
     }
@@ -289,6 +289,17 @@ impl<T: Test, const ANY: bool> Hits<'_, T, ANY> {
         is_nearest.then_some(Root { t, part })
     }
 
+    /// The same for one that is certainly passed ahead.
+    #[inline(always)]
+    fn certain(&self, packet: usize, lane: usize) -> Option<Root> {
+        let line = Line::new(self.ray.origin, self.ray.direction);
+        let found = self.mesh.packets.get(packet)?;
+        match line.cut(&found.get(lane, line.axes)) {
+            Some(t) if t < self.t_max => Some(Root { t, part: found.parts[lane] }),
+            _ => self.exact(packet, lane),
+        }
+    }
+
     /// The same for one that is not certain; whether it is the nearest so far.
     #[inline(never)]
     fn confirm(&mut self, packet: usize, lane: usize, ray: &BoxRay) -> bool {
@@ -308,8 +319,8 @@ impl<T: Test, const ANY: bool> Leaves<T, NoCount> for Hits<'_, T, ANY> {
     const ANY: bool = ANY;
 
     #[inline(always)]
-    fn address(&self, first: usize) -> *const u8 {
-        self.mesh.packets.as_ptr().wrapping_add(first & (LARGE - 1)).cast()
+    fn shelf(&self) -> Shelf {
+        Shelf::of(&self.mesh.packets, LARGE - 1)
     }
 
     #[inline(always)]

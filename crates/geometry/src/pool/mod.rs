@@ -17,7 +17,9 @@ use dioptric_math::bounds::gamma;
 use crate::bounds::Bounds;
 use crate::bvh::balls::{BALLS, BallRay, Balls};
 use crate::bvh::lanes::{Job, Test, apart};
-use crate::bvh::traverse::{Leaves, walk_tree};
+use crate::bvh::ray::Start;
+use crate::bvh::traverse::{Leaves, Shelf, fetch_line, walk_tree};
+use crate::bvh::triangles::Sight;
 use crate::bvh::{BoxRay, Bvh, Lanes, NoCount};
 use crate::ray::{Leaving, LocalRay};
 use crate::shape::{Crossing, LocalSurface, Root, Shape, SurfacePoint};
@@ -37,8 +39,8 @@ pub trait Pooled: Shape + Clone + Send + Sync {
     /// How many bits of a pool's part are the thing's own part.
     const PART_BITS: u32;
 
-    /// Centre and radius of a ball that holds the thing and nothing much else, if there is one: then single
-    /// precision turns away most rays.
+    /// Centre and radius of the ball that the thing is, if it is one: then single precision turns away most rays, and
+    /// knows most hits.
     fn ball(&self) -> Option<(DVec3, f64)> {
         None
     }
@@ -203,49 +205,81 @@ impl<S: Pooled, const ANY: bool> Job for Cast<'_, S, ANY> {
         let Self { pool, ray } = self;
         let (origin, direction) = (apart(&ray.origin), apart(&ray.direction));
         let pad = ray.error + gamma(256) * (origin.abs().max_element() + pool.largest);
-        let box_ray = BoxRay::new(origin, direction, &pool.bvh, pad);
-        let relative = origin - pool.bvh.center();
-        let ball_ray = BallRay::new(relative, direction, pool.bvh.extent(), pad);
-        let scale = direction.abs().max_element();
-        let limit = box_ray.limit(ray.t_max);
-        let t_max = ray.t_max;
-        let (best, lanes) = (None, PhantomData::<T>);
-        let mut hits = Hits::<S, T, ANY> { pool, ray, ball_ray, scale, best, t_max, lanes };
+        let pad = pad as f32 * UP;
+        let start = Start::new(origin, direction, &pool.bvh, pad);
+        let ball_ray = BallRay::new(&start, pool.bvh.extent() as f32, pad);
+        let limit = start.ray.limit(ray.t_max);
+        let mut hits = Hits::<S, T, ANY> {
+            pool,
+            ray,
+            ball_ray,
+            best: None,
+            t_max: ray.t_max,
+            pending: None,
+            before: limit * LESS - TINY,
+            limit,
+            lanes: PhantomData::<T>,
+        };
         // SAFETY: the caller answers for the instruction set.
-        unsafe { walk_tree::<T, _, _>(&pool.bvh, &box_ray, limit, &mut NoCount, &mut hits) };
-        hits.best
+        unsafe { walk_tree::<T, _, _>(&pool.bvh, &start.ray, limit, &mut NoCount, &mut hits) };
+        match hits.pending {
+            Some((place, _)) => hits.exact(place).or(hits.best),
+            None => hits.best,
+        }
     }
 }
 
-/// What has been found so far.
+/// Covers roundings to single precision.
+const UP: f32 = 1.0 + 3e-7;
+/// Covers those of [`BoxRay::limit`] and more.
+const LESS: f32 = 1.0 - 3e-6;
+/// Where single precision has few digits left, nothing is certain.
+const TINY: f32 = 1e-36;
+
+/// What has been found so far, as for meshes: which ball is the nearest is nearly always certain in single precision,
+/// and that one is asked when the walk is over.
 struct Hits<'a, S, T, const ANY: bool> {
     pool: &'a Pool<S>,
     ray: &'a LocalRay,
     ball_ray: BallRay,
-    /// The direction's largest component.
-    scale: f64,
+    /// The nearest one that was asked, and where it is hit.
     best: Option<Root>,
     t_max: f64,
+    /// The nearest one that is certain and to be asked: its place, and before what limit it is hit.
+    pending: Option<(usize, f32)>,
+    /// What is hit before this limit is nearer than both.
+    before: f32,
+    /// Up to which limit hits are of interest.
+    limit: f32,
     lanes: PhantomData<T>,
 }
 
 impl<S: Pooled, T, const ANY: bool> Hits<'_, S, T, ANY> {
-    /// Asks one thing; `None` to end the walk.
+    /// Asks one thing; what it answers if that is the nearest so far.
     #[inline(always)]
-    fn ask(&mut self, place: usize, t_max: f64) -> Option<f64> {
-        let Some(root) = self.pool.meet(self.ray, place) else { return Some(t_max) };
+    fn exact(&self, place: usize) -> Option<Root> {
+        let root = self.pool.meet(self.ray, place)?;
+        let is_nearest = root.t < self.t_max
+            || (!ANY
+                && root.t == self.t_max
+                && self.best.is_none_or(|b| root.t < b.t || root.part < b.part));
+        is_nearest.then_some(root)
+    }
+
+    /// The same at once; `None` to end the walk.
+    #[inline(always)]
+    fn ask(&mut self, place: usize, ray: &BoxRay) -> Option<()> {
+        let Some(root) = self.exact(place) else { return Some(()) };
+        self.best = Some(root);
+        self.t_max = root.t;
         if ANY {
-            if root.t < t_max {
-                self.best = Some(root);
-                return None;
-            }
-        } else if root.t < t_max
-            || (root.t == t_max && self.best.is_none_or(|b| root.t < b.t || root.part < b.part))
-        {
-            self.best = Some(root);
-            return Some(root.t);
+            self.pending = None;
+            return None;
         }
-        Some(t_max)
+        let limit = ray.limit(root.t);
+        self.before = self.before.min(limit * LESS - TINY);
+        self.limit = self.limit.min(limit);
+        Some(())
     }
 }
 
@@ -253,55 +287,56 @@ impl<S: Pooled, T: Test, const ANY: bool> Leaves<T, NoCount> for Hits<'_, S, T, 
     const ANY: bool = ANY;
 
     #[inline(always)]
-    fn address(&self, first: usize) -> *const u8 {
+    fn shelf(&self) -> Shelf {
         if self.pool.balls.is_empty() {
-            self.pool.items.as_ptr().wrapping_add(first).cast()
+            Shelf::of(&self.pool.items, Bvh::MAX_ITEMS - 1)
         } else {
-            self.pool.balls.as_ptr().wrapping_add(first).cast()
+            Shelf::of(&self.pool.balls, Bvh::MAX_ITEMS - 1)
         }
     }
 
     #[inline(always)]
     unsafe fn visit(&mut self, items: Range<usize>, ray: &BoxRay, _: &mut NoCount) -> Option<f32> {
-        let mut t_max = self.t_max;
-        if self.pool.balls.is_empty() {
-            for place in items {
-                t_max = self.ask(place, t_max)?;
-            }
-            self.t_max = t_max;
-            return Some(ray.limit(t_max));
-        }
         let pool = self.pool;
+        if pool.balls.is_empty() {
+            for place in items {
+                self.ask(place, ray)?;
+            }
+            return Some(self.limit);
+        }
         for balls in pool.balls.get(items).unwrap_or_default() {
-            let scale = self.scale;
-            let limit = |t_max: f64| ((t_max * scale) as f32).next_up();
-            let (starts, mut kept) = if self.ball_ray.usable {
+            let sight = if self.ball_ray.usable {
                 // SAFETY: the caller answers for the instruction set.
-                unsafe { T::balls(balls, &self.ball_ray, limit(t_max)) }
+                unsafe { T::balls(balls, &self.ball_ray, self.limit) }
             } else {
-                let all =
-                    (0..BALLS).fold(0, |all, i| all | u32::from(!balls.radii[i].is_nan()) << i);
-                ([f32::NEG_INFINITY; BALLS], all)
+                let all = |all, i| all | u32::from(!f32::is_nan(balls.radii[i])) << i;
+                Sight::unknown((0..BALLS).fold(0, all))
             };
+            let mut kept = sight.kept;
             while kept != 0 {
-                // The nearest first, which often is the last.
-                let mut lane = kept.trailing_zeros() as usize % BALLS;
-                let mut others = kept & (kept - 1);
-                while others != 0 {
-                    let other = others.trailing_zeros() as usize % BALLS;
-                    others &= others - 1;
-                    if starts[other] < starts[lane] {
-                        lane = other;
+                let lane = kept.trailing_zeros() as usize % BALLS;
+                kept &= kept - 1;
+                let place = balls.first as usize + lane;
+                if sight.sure & 1 << lane != 0 {
+                    let (from, to) = (sight.from[lane], sight.to[lane]);
+                    if to < self.before {
+                        fetch_line(pool.items.as_ptr().wrapping_add(place).cast());
+                        fetch_line(pool.index_of.as_ptr().wrapping_add(place).cast());
+                        self.pending = Some((place, to));
+                        if ANY {
+                            return None;
+                        }
+                        self.before = from;
+                        self.limit = to;
+                        continue;
+                    }
+                    if self.pending.is_some_and(|(_, end)| from > end) {
+                        continue;
                     }
                 }
-                kept &= !(1 << lane);
-                if starts[lane] > limit(t_max) {
-                    break;
-                }
-                t_max = self.ask(balls.first as usize + lane, t_max)?;
+                self.ask(place, ray)?;
             }
         }
-        self.t_max = t_max;
-        Some(ray.limit(t_max))
+        Some(self.limit)
     }
 }

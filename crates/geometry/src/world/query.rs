@@ -2,9 +2,11 @@
 //! The queries. All of them are one walk, [`World::visit`], with different things done at the objects.
 
 use super::{Hit, Instance, Level, Object, Surface, World};
+use crate::bvh::lanes::apart;
 use crate::bvh::{Counter, NoCount};
 use crate::ray::{Contacts, Departure, HitId, Leaving, LocalRay, Ray};
-use crate::shape::{Root, SurfacePoint};
+use crate::shape::{Root, Shape, SurfacePoint};
+use crate::shapes::AnyShape;
 use crate::transform::Transform;
 
 /// Surfaces further away than this many times the error of a ray's origin are not asked whether they
@@ -62,7 +64,11 @@ impl World {
         }
         counter.shapes(1);
         let local = single_ray(object, ray, t_max, departure);
-        let root = meet(HitId::NO_INSTANCE, object, &local, contacts)?;
+        let root = match &object.shape {
+            // What it comes to, and shorter.
+            AnyShape::Mesh(mesh) if contacts == Contacts::CROSSED => mesh.intersect(&local)?,
+            _ => meet(HitId::NO_INSTANCE, object, &local, contacts)?,
+        };
         let id = HitId { instance: HitId::NO_INSTANCE, object: object.id, part: root.part };
         (root.t <= t_max).then_some(Hit { t: root.t, id })
     }
@@ -186,6 +192,13 @@ impl World {
         }
         counter.shapes(1);
         let local = single_ray(object, ray, t_max, departure);
+        if let AnyShape::Mesh(mesh) = &object.shape
+            && contacts == Contacts::CROSSED
+        {
+            let root = mesh.blocks(&local).filter(|root| root.t < t_max)?;
+            let (instance, object) = (HitId::NO_INSTANCE, object.id);
+            return Some(HitId { instance, object, part: root.part });
+        }
         blocked_by(HitId::NO_INSTANCE, object, &local, t_max, contacts).map(|hit| hit.id)
     }
 
@@ -478,8 +491,8 @@ pub(super) fn meet(
 #[inline]
 fn single_ray(object: &Object, ray: &Ray, t_max: f64, departure: Option<&Departure>) -> LocalRay {
     LocalRay {
-        origin: ray.origin,
-        direction: ray.direction,
+        origin: apart(&ray.origin),
+        direction: apart(&ray.direction),
         error: ray.error,
         t_max,
         leaving: departure
@@ -491,11 +504,12 @@ fn single_ray(object: &Object, ray: &Ray, t_max: f64, departure: Option<&Departu
 /// Whether a ray is finite and goes somewhere.
 #[inline]
 fn is_usable(ray: &Ray, t_max: f64) -> bool {
-    ray.origin.is_finite()
-        && ray.direction.is_finite()
-        && ray.direction.abs().max_element() > 0.0
-        && ray.error >= 0.0
-        && t_max >= 0.0
+    let (o, d) = (apart(&ray.origin).abs(), apart(&ray.direction).abs());
+    let length = d.x + d.y + d.z;
+    // Nearly always so, and the shorter question.
+    let finite = o.x + o.y + o.z + length < f64::MAX
+        || (ray.origin.is_finite() && ray.direction.is_finite());
+    finite && length > 0.0 && ray.error >= 0.0 && t_max >= 0.0
 }
 
 /// The ray as a local one; `None` unless it is finite and goes somewhere.

@@ -4,12 +4,13 @@
 use std::arch::x86_64::{
     __m256, __m256i, _CMP_GE_OQ, _CMP_GT_OQ, _CMP_LE_OQ, _CMP_NGT_UQ, _CMP_NLT_UQ, _mm256_add_ps,
     _mm256_and_ps, _mm256_andnot_ps, _mm256_castps_si256, _mm256_castsi256_ps, _mm256_cmp_ps,
-    _mm256_cmpgt_epi32, _mm256_fmadd_ps, _mm256_fmsub_ps, _mm256_fnmadd_ps, _mm256_load_ps,
-    _mm256_max_epi32, _mm256_max_ps, _mm256_min_epi32, _mm256_min_ps, _mm256_movemask_ps,
-    _mm256_mul_ps, _mm256_or_ps, _mm256_set1_ps, _mm256_setzero_ps, _mm256_setzero_si256,
-    _mm256_sqrt_ps, _mm256_storeu_ps, _mm256_sub_ps, _mm256_xor_ps,
+    _mm256_cmpgt_epi32, _mm256_div_ps, _mm256_fmadd_ps, _mm256_fmsub_ps, _mm256_fnmadd_ps,
+    _mm256_load_ps, _mm256_max_epi32, _mm256_max_ps, _mm256_min_epi32, _mm256_min_ps,
+    _mm256_movemask_ps, _mm256_mul_ps, _mm256_or_ps, _mm256_set1_ps, _mm256_setzero_ps,
+    _mm256_setzero_si256, _mm256_storeu_ps, _mm256_sub_ps, _mm256_xor_ps,
 };
 
+use super::ball_lanes::{Apart, Entered, apart, entered};
 use super::{Aim, BallRay, Balls, BoxRay, Entries, Node, Packet, Sight, Test, WIDTH, eight};
 
 pub(crate) struct Avx2;
@@ -122,7 +123,7 @@ impl Test for Avx2 {
             let within =
                 _mm256_or_ps(_mm256_and_ps(positive, ahead), _mm256_and_ps(negative, behind));
             sight.kept = kept & _mm256_movemask_ps(within) as u32;
-            let passed = closer.passed(aim, low, high);
+            let passed = closer.passed(low, high);
             _mm256_storeu_ps(sight.from.as_mut_ptr(), passed.from);
             _mm256_storeu_ps(sight.to.as_mut_ptr(), passed.to);
             let (twice, minus) = (passed.twice, _mm256_sub_ps(_mm256_setzero_ps(), passed.twice));
@@ -137,74 +138,28 @@ impl Test for Avx2 {
     }
 
     #[inline(always)]
-    unsafe fn balls(balls: &Balls, ray: &BallRay, limit: f32) -> (Entries, u32) {
+    unsafe fn balls(balls: &Balls, ray: &BallRay, limit: f32) -> Sight {
         // SAFETY: the caller answers for the instruction set.
         unsafe {
-            let Apart { along, square, room } = apart(balls, ray);
+            let apart = apart(balls, ray);
+            let Apart { along, square, room } = apart;
             let near = _mm256_cmp_ps::<_CMP_LE_OQ>(square, _mm256_mul_ps(room, room));
             let ends = _mm256_cmp_ps::<_CMP_GE_OQ>(_mm256_add_ps(along, room), _mm256_setzero_ps());
             let kept = _mm256_movemask_ps(_mm256_and_ps(near, ends)) as u32;
-            let mut starts = [0.0; WIDTH];
+            let mut sight = Sight::unknown(0);
             if kept == 0 {
-                return (starts, 0);
+                return sight;
             }
-            let start = start(along, square, room, ray);
-            _mm256_storeu_ps(starts.as_mut_ptr(), start);
-            let before = _mm256_cmp_ps::<_CMP_LE_OQ>(start, _mm256_set1_ps(limit));
-            (starts, kept & _mm256_movemask_ps(before) as u32)
+            let Entered { from, to, chord } = entered(&apart, balls, ray);
+            _mm256_storeu_ps(sight.from.as_mut_ptr(), from);
+            _mm256_storeu_ps(sight.to.as_mut_ptr(), to);
+            let before = _mm256_cmp_ps::<_CMP_LE_OQ>(from, _mm256_set1_ps(limit));
+            sight.kept = kept & _mm256_movemask_ps(before) as u32;
+            let ahead = _mm256_cmp_ps::<_CMP_GT_OQ>(from, _mm256_set1_ps(ray.slack));
+            let inside = _mm256_cmp_ps::<_CMP_GT_OQ>(chord, _mm256_setzero_ps());
+            sight.sure = sight.kept & _mm256_movemask_ps(_mm256_and_ps(ahead, inside)) as u32;
+            sight
         }
-    }
-}
-
-/// Where the ray enters balls at the earliest.
-///
-/// # Safety
-/// The processor has AVX2 and FMA.
-#[inline(always)]
-pub(super) unsafe fn start(along: __m256, square: __m256, room: __m256, ray: &BallRay) -> __m256 {
-    // SAFETY: the caller answers for the instruction set.
-    unsafe {
-        let rooms = _mm256_mul_ps(room, _mm256_mul_ps(room, _mm256_set1_ps(BallRay::SQUARES)));
-        let chord = _mm256_max_ps(_mm256_sub_ps(rooms, square), _mm256_setzero_ps());
-        let chord = _mm256_sqrt_ps(_mm256_mul_ps(chord, _mm256_set1_ps(ray.inverse)));
-        let start = _mm256_fnmadd_ps(chord, _mm256_set1_ps(BallRay::CHORD), along);
-        _mm256_sub_ps(start, _mm256_set1_ps(ray.slack))
-    }
-}
-
-/// How balls lie about a ray.
-pub(super) struct Apart {
-    /// How far along the ray the centres are.
-    pub along: __m256,
-    /// The squares of their distances from it.
-    pub square: __m256,
-    /// The radii, and what all may be off by.
-    pub room: __m256,
-}
-
-/// # Safety
-/// The processor has AVX2 and FMA.
-#[inline(always)]
-pub(super) unsafe fn apart(balls: &Balls, ray: &BallRay) -> Apart {
-    // SAFETY: the caller answers for the instruction set; rows are aligned to their 32 bytes.
-    unsafe {
-        let [x, y, z] = &balls.centers;
-        let x = _mm256_sub_ps(_mm256_load_ps(x.as_ptr()), _mm256_set1_ps(ray.origin[0]));
-        let y = _mm256_sub_ps(_mm256_load_ps(y.as_ptr()), _mm256_set1_ps(ray.origin[1]));
-        let z = _mm256_sub_ps(_mm256_load_ps(z.as_ptr()), _mm256_set1_ps(ray.origin[2]));
-        let [dx, dy, dz] = [
-            _mm256_set1_ps(ray.direction[0]),
-            _mm256_set1_ps(ray.direction[1]),
-            _mm256_set1_ps(ray.direction[2]),
-        ];
-        let along = _mm256_fmadd_ps(x, dx, _mm256_fmadd_ps(y, dy, _mm256_mul_ps(z, dz)));
-        let along = _mm256_mul_ps(along, _mm256_set1_ps(ray.inverse));
-        let x = _mm256_fnmadd_ps(along, dx, x);
-        let y = _mm256_fnmadd_ps(along, dy, y);
-        let z = _mm256_fnmadd_ps(along, dz, z);
-        let square = _mm256_fmadd_ps(x, x, _mm256_fmadd_ps(y, y, _mm256_mul_ps(z, z)));
-        let room = _mm256_add_ps(_mm256_load_ps(balls.radii.as_ptr()), _mm256_set1_ps(ray.slack));
-        Apart { along, square, room }
     }
 }
 
@@ -233,6 +188,8 @@ pub(super) struct Closer {
     pub slack: __m256,
     /// What a sheared coordinate may be off by.
     error: __m256,
+    /// The sum of the edge functions.
+    total: __m256,
 }
 
 /// Where triangles are passed, if they are for certain.
@@ -247,19 +204,16 @@ impl Closer {
     /// # Safety
     /// The processor has AVX2 and FMA.
     #[inline(always)]
-    pub(super) unsafe fn passed(&self, aim: &Aim, low: __m256, high: __m256) -> Passed {
+    pub(super) unsafe fn passed(&self, low: __m256, high: __m256) -> Passed {
         // SAFETY: the caller answers for the instruction set.
         unsafe {
-            let off = _mm256_mul_ps(_mm256_set1_ps(Aim::ERRORS), self.error);
-            let zero = _mm256_setzero_ps();
-            let (low, high) = if aim.forward {
-                (low, high)
-            } else {
-                (_mm256_sub_ps(zero, high), _mm256_sub_ps(zero, low))
-            };
+            let inverse = _mm256_div_ps(_mm256_set1_ps(1.0), self.total);
+            let range = _mm256_mul_ps(_mm256_set1_ps(Aim::RANGES), _mm256_sub_ps(high, low));
+            let error = _mm256_mul_ps(_mm256_set1_ps(Aim::ERRORS), self.error);
+            let off = _mm256_fmadd_ps(_mm256_mul_ps(self.margin, range), abs(inverse), error);
             Passed {
-                from: _mm256_sub_ps(low, off),
-                to: _mm256_add_ps(high, off),
+                from: _mm256_fmsub_ps(self.depth, inverse, off),
+                to: _mm256_fmadd_ps(self.depth, inverse, off),
                 twice: _mm256_add_ps(self.margin, self.margin),
             }
         }
@@ -326,7 +280,8 @@ impl Seen {
                 _mm256_fmadd_ps(sum, error, _mm256_set1_ps(f32::MIN_POSITIVE)),
             );
             let sign = _mm256_set1_ps(if aim.forward { 0.0 } else { -0.0 });
-            Closer { margin, depth: _mm256_xor_ps(depth, sign), slack, error }
+            let total = _mm256_add_ps(_mm256_add_ps(u, v), w);
+            Closer { margin, depth: _mm256_xor_ps(depth, sign), slack, error, total }
         }
     }
 }

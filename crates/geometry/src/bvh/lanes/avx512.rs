@@ -7,7 +7,8 @@ use std::arch::x86_64::{
     _mm256_mul_ps, _mm256_set1_ps, _mm256_setzero_ps, _mm256_storeu_ps, _mm256_sub_ps,
 };
 
-use super::avx2::{self, Apart, Closer, Ranges, Spread};
+use super::avx2::{self, Closer, Ranges, Spread};
+use super::ball_lanes::{Apart, Entered, apart, entered};
 use super::{Aim, BallRay, Balls, BoxRay, Entries, Node, Packet, Sight, Test, WIDTH, eight};
 
 pub(crate) struct Avx512;
@@ -62,7 +63,7 @@ impl Test for Avx512 {
             let behind = _mm256_mask_cmp_ps_mask::<_CMP_NGT_UQ>(negative, depth, slack);
             let kept = ahead | behind;
             sight.kept = u32::from(kept);
-            let passed = closer.passed(aim, low, high);
+            let passed = closer.passed(low, high);
             _mm256_storeu_ps(sight.from.as_mut_ptr(), passed.from);
             _mm256_storeu_ps(sight.to.as_mut_ptr(), passed.to);
             let minus = _mm256_sub_ps(_mm256_setzero_ps(), passed.twice);
@@ -76,21 +77,28 @@ impl Test for Avx512 {
     }
 
     #[inline(always)]
-    unsafe fn balls(balls: &Balls, ray: &BallRay, limit: f32) -> (Entries, u32) {
+    unsafe fn balls(balls: &Balls, ray: &BallRay, limit: f32) -> Sight {
         // SAFETY: as above; the array has the size of a register.
         unsafe {
-            let Apart { along, square, room } = avx2::apart(balls, ray);
+            let apart = apart(balls, ray);
+            let Apart { along, square, room } = apart;
             let near = _mm256_cmp_ps_mask::<_CMP_LE_OQ>(square, _mm256_mul_ps(room, room));
             let end = _mm256_add_ps(along, room);
             let kept = _mm256_mask_cmp_ps_mask::<_CMP_GE_OQ>(near, end, _mm256_setzero_ps());
-            let mut starts = [0.0; WIDTH];
+            let mut sight = Sight::unknown(0);
             if kept == 0 {
-                return (starts, 0);
+                return sight;
             }
-            let start = avx2::start(along, square, room, ray);
-            _mm256_storeu_ps(starts.as_mut_ptr(), start);
-            let kept = _mm256_mask_cmp_ps_mask::<_CMP_LE_OQ>(kept, start, _mm256_set1_ps(limit));
-            (starts, u32::from(kept))
+            let Entered { from, to, chord } = entered(&apart, balls, ray);
+            _mm256_storeu_ps(sight.from.as_mut_ptr(), from);
+            _mm256_storeu_ps(sight.to.as_mut_ptr(), to);
+            let kept = _mm256_mask_cmp_ps_mask::<_CMP_LE_OQ>(kept, from, _mm256_set1_ps(limit));
+            sight.kept = u32::from(kept);
+            let slack = _mm256_set1_ps(ray.slack);
+            let ahead = _mm256_mask_cmp_ps_mask::<_CMP_GT_OQ>(kept, from, slack);
+            let sure = _mm256_mask_cmp_ps_mask::<_CMP_GT_OQ>(ahead, chord, _mm256_setzero_ps());
+            sight.sure = u32::from(sure);
+            sight
         }
     }
 }

@@ -6,6 +6,8 @@
 pub(crate) mod avx2;
 #[cfg(target_arch = "x86_64")]
 pub(crate) mod avx512;
+#[cfg(target_arch = "x86_64")]
+mod ball_lanes;
 pub(crate) mod eight;
 pub(crate) mod plain;
 
@@ -132,12 +134,11 @@ pub(crate) trait Test {
     /// The processor has the instruction set.
     unsafe fn triangles(packet: &Packet, aim: &Aim, margin: f32, depths: [f32; 2]) -> Sight;
 
-    /// Where the ray enters balls at the earliest, in units of its scaled direction, and a bit for each that it may
-    /// hit at `limit` or before.
+    /// Which balls the ray may hit at `limit` or before, in units of its scaled direction.
     ///
     /// # Safety
     /// The processor has the instruction set.
-    unsafe fn balls(balls: &Balls, ray: &BallRay, limit: f32) -> (Entries, u32);
+    unsafe fn balls(balls: &Balls, ray: &BallRay, limit: f32) -> Sight;
 }
 
 /// A vector, its numbers read one by one. It was written so a moment ago, and a processor that is made to read

@@ -69,11 +69,10 @@ impl Test for Plain {
     }
 
     #[inline(always)]
-    unsafe fn balls(balls: &Balls, ray: &BallRay, limit: f32) -> (Entries, u32) {
+    unsafe fn balls(balls: &Balls, ray: &BallRay, limit: f32) -> Sight {
         let [dx, dy, dz] = ray.direction;
-        let mut starts = [0.0; BALLS];
-        let mut kept = 0;
-        for (lane, entry) in starts.iter_mut().enumerate() {
+        let mut sight = Sight::unknown(0);
+        for lane in 0..BALLS {
             let x = balls.centers[0][lane] - ray.origin[0];
             let y = balls.centers[1][lane] - ray.origin[1];
             let z = balls.centers[2][lane] - ray.origin[2];
@@ -81,12 +80,17 @@ impl Test for Plain {
             let (x, y, z) = (x - along * dx, y - along * dy, z - along * dz);
             let room = balls.radii[lane] + ray.slack;
             let (square, rooms) = (x * x + y * y + z * z, room * room);
-            let chord = (rooms * BallRay::SQUARES - square).max(0.0) * ray.inverse;
-            *entry = along - chord.sqrt() * BallRay::CHORD - ray.slack;
-            let hit = square <= rooms && *entry <= limit && along >= -room;
-            kept |= u32::from(hit) << lane;
+            let chord = (rooms * (1.0 + BallRay::SQUARES) - square).max(0.0) * ray.inverse;
+            let from = along - chord.sqrt() * (1.0 + BallRay::CHORD) - ray.slack;
+            let hit = square <= rooms && from <= limit && along >= -room;
+            sight.kept |= u32::from(hit) << lane;
+            let less = (balls.radii[lane] * BallRay::RADII - ray.slack).max(0.0);
+            let chord = (less * less * (1.0 - BallRay::SQUARES) - square) * ray.inverse;
+            let to = along - chord.max(0.0).sqrt() * (1.0 - BallRay::CHORD) + ray.slack;
+            (sight.from[lane], sight.to[lane]) = (from, to);
+            sight.sure |= u32::from(hit && chord > 0.0 && from > ray.slack) << lane;
         }
-        (starts, kept)
+        sight
     }
 }
 
@@ -123,8 +127,9 @@ fn closer(
     let twice = margin + margin;
     let sure =
         (u >= twice && v >= twice && w >= twice) || (u <= -twice && v <= -twice && w <= -twice);
-    let off = Aim::ERRORS * error;
-    let (low, high) = if aim.forward { (low, high) } else { (-high, -low) };
-    (sight.from[lane], sight.to[lane]) = (low - off, high + off);
-    sight.sure |= u32::from(sure && low - off > aim.certain) << lane;
+    let inverse = 1.0 / (u + v + w);
+    let off = Aim::ERRORS * error + margin * (Aim::RANGES * (high - low)) * inverse.abs();
+    let depth = depth * inverse;
+    (sight.from[lane], sight.to[lane]) = (depth - off, depth + off);
+    sight.sure |= u32::from(sure && depth - off > aim.certain) << lane;
 }
