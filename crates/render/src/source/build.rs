@@ -120,13 +120,17 @@ impl<'a> Shiner<'a> {
         let m = &self.place.matrix3;
         let stretch = norm(m) * norm(&m.inverse()) / 3.0;
         let rounding = stretch * (1.0 + error / (gamma(64) * size));
+        let half = match &patch {
+            Patch::Faces(faces) => faces.half(center),
+            _ => DVec3::splat(radius),
+        };
         let power = area * sum / f64::from(looked);
         let usable = power > 0.0 && [power, radius, rounding].iter().all(|x| x.is_finite());
         usable.then_some(Glow {
             object: self.object,
             patch,
             uniform: self.uniform,
-            reach: Reach { center, radius, facing, power },
+            reach: Reach { center, radius, half, facing, power },
             rounding,
         })
     }

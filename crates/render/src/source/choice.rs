@@ -4,13 +4,13 @@
 use dioptric_math::DVec3;
 
 use super::emitter::Emitter;
-use super::tree::{Entry, Tree};
+use super::tree::{Entry, Parts, Tree};
 
 /// How much of the chance does not go by what a source sends to the point: an estimate knows nothing of what is in
 /// between. Few sources that can send something share it alike, many by what they send altogether.
 const EVEN: f64 = 0.1;
 /// So many are asked one by one.
-const FEW: usize = 32;
+const FEW: usize = 64;
 
 /// Sources, and the chance of each at each point.
 #[derive(Clone, Debug, Default)]
@@ -25,11 +25,10 @@ pub(super) struct Choice {
 }
 
 /// What the sources that are asked one by one send together, and the tree.
-#[derive(Clone, Copy)]
 struct Total {
     weight: f64,
     count: f64,
-    tree: f64,
+    tree: Option<Parts>,
 }
 
 impl Total {
@@ -43,7 +42,12 @@ impl Choice {
         let all = 0..emitters.len() as u32;
         let entries = emitters.iter().zip(all.clone());
         let entries: Vec<Entry> = entries
-            .filter_map(|(e, emitter)| e.reach().map(|reach| Entry { reach, emitter }))
+            .filter_map(|(e, emitter)| {
+                e.reach().map(|reach| {
+                    let asked = matches!(e, Emitter::Light(_));
+                    Entry { reach, emitter, asked }
+                })
+            })
             .collect();
         if entries.len() <= FEW {
             return Self { emitters, single: all.collect(), ..Self::default() };
@@ -69,8 +73,14 @@ impl Choice {
 
     /// What all send together; `keep` gets the weights of the first ones that are asked one by one.
     fn total(&self, point: DVec3, normal: Option<DVec3>, keep: &mut [f64]) -> Total {
-        let tree = self.tree.weight(point, normal);
-        let mut total = Total { weight: tree, count: if tree > 0.0 { 1.0 } else { 0.0 }, tree };
+        let mut total = Total { weight: 0.0, count: 0.0, tree: None };
+        if !self.powers.is_empty() {
+            let parts = self.tree.parts(&self.emitters, point, normal);
+            if parts.total > 0.0 {
+                (total.weight, total.count) = (parts.total, 1.0);
+                total.tree = Some(parts);
+            }
+        }
         for (i, &source) in self.single.iter().enumerate() {
             let weight = self.weight(source, point, normal);
             if let Some(kept) = keep.get_mut(i) {
@@ -105,12 +115,20 @@ impl Choice {
                 rest -= chance;
             }
         }
-        let chance = total.chance(total.tree);
-        if chance > 0.0 {
-            self.pick_of_many(point, normal, (rest / chance).min(1.0), chance)
+        let Some(parts) = &total.tree else { return last };
+        let chance = total.chance(parts.total);
+        let rest = (rest / chance).min(1.0);
+        let (source, by_place) = if rest < EVEN {
+            let at = rest / EVEN * self.powers.last()?.0;
+            let i = self.powers.partition_point(|&(sum, _)| sum <= at);
+            let source = self.powers.get(i)?.1;
+            (source, self.tree.chance(parts, &self.emitters, point, normal, source))
         } else {
-            last
-        }
+            let rest = (rest - EVEN) / (1.0 - EVEN);
+            self.tree.pick(parts, &self.emitters, point, normal, rest)?
+        };
+        let own = (1.0 - EVEN) * by_place + EVEN * self.share_of_power(source);
+        (own > 0.0).then_some((source, own * chance))
     }
 
     /// The chance of a source.
@@ -120,36 +138,13 @@ impl Choice {
         }
         if self.tree.has(source) {
             let total = self.total(point, normal, &mut []);
-            return total.chance(total.tree) * self.chance_of_many(point, normal, source);
+            let Some(parts) = &total.tree else { return 0.0 };
+            let by_place = self.tree.chance(parts, &self.emitters, point, normal, source);
+            let own = (1.0 - EVEN) * by_place + EVEN * self.share_of_power(source);
+            return total.chance(parts.total) * own;
         }
         let weight = self.weight(source, point, normal);
         if weight > 0.0 { self.total(point, normal, &mut []).chance(weight) } else { 0.0 }
-    }
-
-    /// One of those in the tree.
-    fn pick_of_many(
-        &self,
-        point: DVec3,
-        normal: Option<DVec3>,
-        pick: f64,
-        chance: f64,
-    ) -> Option<(u32, f64)> {
-        let (source, by_place) = if pick < EVEN {
-            let at = pick / EVEN * self.powers.last()?.0;
-            let i = self.powers.partition_point(|&(sum, _)| sum <= at);
-            let source = self.powers.get(i)?.1;
-            (source, self.tree.chance(&self.emitters, point, normal, source))
-        } else {
-            let rest = (pick - EVEN) / (1.0 - EVEN);
-            self.tree.pick(&self.emitters, point, normal, rest)?
-        };
-        let own = (1.0 - EVEN) * by_place + EVEN * self.share_of_power(source);
-        (own > 0.0).then_some((source, own * chance))
-    }
-
-    fn chance_of_many(&self, point: DVec3, normal: Option<DVec3>, source: u32) -> f64 {
-        let by_place = self.tree.chance(&self.emitters, point, normal, source);
-        (1.0 - EVEN) * by_place + EVEN * self.share_of_power(source)
     }
 
     /// What it sends altogether, of all in the tree.

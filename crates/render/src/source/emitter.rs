@@ -16,6 +16,9 @@ use crate::light::AnyLight;
 use crate::light::shared::cosine_within;
 use crate::scene::Scene;
 
+/// How much the highest part of something counts against its middle.
+const HIGHEST: f64 = 0.2;
+
 /// What can be looked for.
 #[derive(Clone, Debug)]
 pub(super) enum Emitter {
@@ -94,6 +97,8 @@ pub(super) struct Reach {
     /// A ball around it.
     pub center: DVec3,
     pub radius: f64,
+    /// From there to the sides of a box around it.
+    pub half: DVec3,
     pub facing: Facing,
     /// What arrives at the distance 1 in front, or in the mean over all sides: the mean of the lanes of its radiance,
     /// times the area that it shows.
@@ -109,6 +114,9 @@ pub(super) enum Facing {
     Both(DVec3),
     /// To the side of the normal only.
     Front(DVec3),
+    /// Many that shine to the sides of their normals only: about this one, and the cosine and the sine of the widest
+    /// angle to it.
+    Cone(DVec3, [f64; 2]),
 }
 
 impl Reach {
@@ -120,16 +128,35 @@ impl Reach {
         if d2 <= r2 {
             return positive(self.power / r2);
         }
-        // The greatest cosine that any of its parts has, from above: how far the ball rises over the plane.
         let inverse = 1.0 / d2.sqrt();
-        let most = |height: f64| ((height + self.radius) * inverse).clamp(0.0, 1.0);
+        // About the mean cosine, 0 only where all of it is below the plane: that of the middle, and some of the
+        // greatest that any part may have.
+        let cosine = |n: DVec3, height: f64| {
+            let room = n.abs().dot(self.half).min(self.radius);
+            (((1.0 - HIGHEST) * height.max(0.0) + HIGHEST * (height + room)) * inverse)
+                .clamp(0.0, 1.0)
+        };
         let out = match self.facing {
             Facing::All => 1.0,
-            Facing::Both(n) => most(n.dot(way).abs()),
-            Facing::Front(n) => most(-n.dot(way)),
+            Facing::Both(n) => cosine(n, n.dot(way).abs()),
+            Facing::Front(n) => cosine(n, -n.dot(way)),
+            Facing::Cone(n, [cos, sin]) => {
+                let room = n.abs().dot(self.half).min(self.radius);
+                let most = ((room - n.dot(way)) * inverse).clamp(-1.0, 1.0);
+                let turned = most * cos + (1.0 - most * most).sqrt() * sin;
+                if most >= cos { 1.0 } else { turned.max(0.0) }
+            }
         };
-        let received = normal.map_or(1.0, |n| most(n.dot(way)));
+        let received = normal.map_or(1.0, |n| cosine(n, n.dot(way)));
         positive(self.power * (inverse * inverse) * out * received)
+    }
+}
+
+impl Reach {
+    /// Whether a point is nearer to the middle than so many times the radius.
+    pub fn is_near(&self, point: DVec3, times: f64) -> bool {
+        let r = self.radius * times;
+        (self.center - point).length_squared() < r * r
     }
 }
 
@@ -159,6 +186,7 @@ impl Emitter {
             Self::Light(lamp) => lamp.light.place().map(|place| Reach {
                 center: place.center,
                 radius: place.radius,
+                half: DVec3::splat(place.radius),
                 facing: Facing::All,
                 power: PI * brightness(place.intensity),
             }),

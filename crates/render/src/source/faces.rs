@@ -273,6 +273,13 @@ impl Faces {
         &self.faces
     }
 
+    /// The way from a point to the sides of a box around it that holds all faces.
+    pub fn half(&self, center: DVec3) -> DVec3 {
+        let corners = self.faces.iter().flat_map(Face::corners);
+        let room = 1.0 + 1e-9;
+        corners.fold(DVec3::ZERO, |half, c| half.max((c - center).abs())) * room
+    }
+
     pub fn area(&self) -> f64 {
         self.faces.iter().map(Face::area).sum()
     }

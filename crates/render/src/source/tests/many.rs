@@ -85,7 +85,7 @@ fn chances_are_those_that_are_said_and_their_sum_is_one() {
             let sum: f64 = chances.iter().sum();
             println!("{point} {normal:?}: {sum}");
             // A half of the tree may seem to send something of which none of its own does.
-            assert!(sum < 1.0 + 1e-9 && sum > 0.97, "{sum}");
+            assert!(sum < 1.0 + 1e-9 && sum > 0.95, "{sum}");
             let mut counts = vec![0_u32; emitters];
             let n = 100_000;
             for i in 0..n {
