@@ -38,15 +38,17 @@ pub mod grid;
 pub mod names;
 pub mod ramp;
 pub mod stored;
+pub mod tone;
 pub mod transfer;
 
 pub use buffer::{Image, Layer, LayerData, Layers, Metadata};
 pub use compare::{Comparison, Flip, compare, flip, side_by_side};
 pub use decode::{READABLE, decode, decode_exr, decode_stored};
-pub use develop::{Develop, Tone};
+pub use develop::Develop;
 pub use encode::{Depth, EncodeOptions, FileFormat, encode};
 pub use error::{ErrorKind, ImageError};
 pub use grid::draw_grid;
 pub use ramp::false_colour;
 pub use stored::{Stored, Values};
+pub use tone::Tone;
 pub use transfer::{Encoding, srgb_table};

@@ -57,7 +57,7 @@ pub struct PictureOptions {
     /// Multiplies the light.
     #[arg(long, value_name = "E")]
     exposure: Option<f64>,
-    /// The tone curve: none, reinhard, filmic or aces.
+    /// The tone curve: none, reinhard, filmic, aces, agx or neutral.
     #[arg(long, value_name = "NAME")]
     tone: Option<String>,
     /// What the picture's numbers mean: srgb, raw or gamma.

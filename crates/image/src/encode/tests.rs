@@ -4,7 +4,7 @@
 use super::*;
 use crate::buffer::{Image, LayerData};
 use crate::decode::{decode, decode_exr};
-use crate::develop::Tone;
+use crate::tone::Tone;
 use crate::transfer::Encoding;
 
 const MAX: u64 = 1 << 20;

@@ -17,8 +17,10 @@ pub static SCHEMA: Schema = Schema {
           `tone` curve into 0 to 1, encoded for the display, rounded to 8 or 16 bits. EXR and HDR files\n\
           hold the light before this step.\n\n\
           Tone curves: \"none\" cuts off what is above 1; \"reinhard\" divides by 1 + luminance; \"filmic\"\n\
-          has a film's toe and shoulder; \"aces\" has more contrast than \"filmic\". Encodings: \"srgb\" for\n\
-          displays, \"raw\" shows the numbers as they are, as old programs do, \"gamma\" is the plain power 2.2.",
+          has a film's toe and shoulder; \"aces\" has more contrast than \"filmic\"; \"agx\" lets bright colours\n\
+          fade to white as film does, without turning their hue; \"neutral\" leaves colours below 0.8 nearly as\n\
+          they are, for goods whose colour matters. Encodings: \"srgb\" for displays, \"raw\" shows\n\
+          the numbers as they are, as old programs do, \"gamma\" is the plain power 2.2.",
     params: &[
         Param::new(
             "exposure",
@@ -113,7 +115,7 @@ mod tests {
         );
         assert_eq!(
             wrong("tone", text("film")),
-            "tone of develop: expected one of \"none\", \"reinhard\", \"filmic\", \"aces\", got \"film\""
+            "tone of develop: expected one of \"none\", \"reinhard\", \"filmic\", \"aces\", \"agx\", \"neutral\", got \"film\""
         );
         assert_eq!(wrong("gain", Value::Number(1.0)), "develop has no parameter gain");
     }
