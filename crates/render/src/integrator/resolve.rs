@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Which of several surfaces at one place a ray has hit.
 
-use dioptric_geometry::world::{Hit, Query};
+use dioptric_geometry::world::Hit;
+use dioptric_geometry::{Departure, Ray};
 
 use super::media::{Inside, Media};
 use super::point::coincide;
@@ -13,15 +14,16 @@ pub(super) type Spare = Vec<Box<Finish>>;
 
 /// The hit that counts, and what is needed to shade it. Inside of a transparent object its own surface comes before
 /// any other that coincides with it: the exit belongs to the object that was entered.
+#[inline(always)]
 pub(super) fn resolve<'a>(
     scene: &'a Scene,
     media: &Media,
-    query: &Query,
+    ray: &Ray,
+    departure: impl FnOnce() -> Option<Departure>,
     hit: Hit,
     inside: Inside,
     spare: &mut Spare,
 ) -> Option<(Hit, Shading<'a>)> {
-    let ray = &query.ray;
     let shading = scene.shading_in(ray, &hit, |finish| match spare.pop() {
         Some(mut answer) => {
             *answer = finish;
@@ -31,7 +33,7 @@ pub(super) fn resolve<'a>(
     })?;
     if let Some(around) = media.top(inside).filter(|m| !m.object.same_object(&hit.id)) {
         let id = around.object;
-        let departure = query.departure();
+        let departure = departure();
         let departure = departure.as_ref();
         if let Some(exit) =
             scene.world.closest_of(ray, f64::INFINITY, departure, id.instance, id.object)

@@ -13,7 +13,7 @@
 use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use dioptric_geometry::world::{Bundle, Found, Hit, Query, Rays};
+use dioptric_geometry::world::{Found, Query, Rays};
 use dioptric_geometry::{Contacts, Ray};
 use dioptric_math::{DVec3, Spectrum};
 use serde_json::json;
@@ -23,17 +23,18 @@ use super::direct::Scratch;
 use super::lit::{LANES, lanes};
 use super::media::{Inside, Media, Medium};
 use super::optics::{facet_normal, schlick};
-use super::point::{Leg, Point, coincide};
+use super::point::{Leg, Point};
 use super::record::record;
 use super::recorder::{RayKind, Recorder, Silent, Slot};
+use super::resolve::{Spare, resolve};
 use super::tree::{Above, Nodes, Way};
 use crate::camera::Places;
 use crate::film::Radiance;
 use crate::job::Shot;
-use crate::material::{Finish, Optics};
+use crate::material::Optics;
 use crate::picture::place;
 use crate::sampling::stream::Stream;
-use crate::scene::{Answer, Scene, Shading};
+use crate::scene::{Answer, Scene};
 use crate::stats::RayCounts;
 
 /// Rays that are cast together.
@@ -167,7 +168,12 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
         for (i, leg) in round.legs.iter().enumerate() {
             let rays = &rays.bundles()[i / LANES];
             let hit = found[i / LANES].best(i);
-            match hit.and_then(|hit| self.resolve(rays, i, hit, leg.way.inside, answers)) {
+            let (media, inside) = (&self.media, leg.way.inside);
+            let resolved = hit.and_then(|hit| {
+                let departure = || rays.query(i).departure();
+                resolve(scene, media, &rays.ray(i), departure, hit, inside, answers)
+            });
+            match resolved {
                 Some((hit, shading)) => {
                     let query = rays.query(i);
                     let point = Point::new(&query.ray, hit, shading, query.departure().as_ref());
@@ -224,41 +230,6 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
         let stream = if slot == 0 { met.stream } else { met.stream.forked() };
         self.next.push(&leg.query(f64::INFINITY));
         self.legs.push(Follow { way, depth: met.depth + 1, throughput, stream });
-    }
-
-    /// The hit that counts, and what is needed to shade it. Inside of a transparent object its own surface
-    /// comes before any other that coincides with it: the exit belongs to the object that was entered.
-    #[inline(always)]
-    fn resolve(
-        &self,
-        rays: &Bundle,
-        lane: usize,
-        hit: Hit,
-        inside: Inside,
-        spare: &mut Spare,
-    ) -> Option<(Hit, Shading<'a>)> {
-        let (scene, ray) = (self.scene, &rays.ray(lane));
-        let shading = scene.shading_in(ray, &hit, |finish| match spare.pop() {
-            Some(mut answer) => {
-                *answer = finish;
-                answer
-            }
-            None => Box::new(finish),
-        })?;
-        if let Some(around) = self.media.top(inside).filter(|m| !m.object.same_object(&hit.id)) {
-            let id = around.object;
-            let departure = rays.query(lane).departure();
-            let departure = departure.as_ref();
-            if let Some(exit) =
-                scene.world.closest_of(ray, f64::INFINITY, departure, id.instance, id.object)
-            {
-                let at_exit = scene.shading(ray, &exit)?;
-                if coincide(ray, (&hit, &shading), (&exit, &at_exit)) {
-                    return Some((exit, at_exit));
-                }
-            }
-        }
-        Some((hit, shading))
     }
 
     /// A point that was met, and what its optics need before it is lit.
@@ -358,9 +329,6 @@ impl Whitted<'_, '_, Silent> {
         *out = self.radiances;
     }
 }
-
-/// Boxes that are used again.
-type Spare = Vec<Box<Finish>>;
 
 /// Memory that the rounds of a batch use again.
 struct Round<'a, I> {

@@ -101,8 +101,17 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
         round: &mut Round<R::Id>,
     ) -> Option<(Path<R::Id>, Query)> {
         let scene = self.scene;
-        let found = hit
-            .and_then(|hit| resolve(scene, &self.media, query, hit, path.inside, &mut round.spare));
+        let found = hit.and_then(|hit| {
+            resolve(
+                scene,
+                &self.media,
+                &query.ray,
+                || query.departure(),
+                hit,
+                path.inside,
+                &mut round.spare,
+            )
+        });
         let t = found.as_ref().map_or(f64::INFINITY, |(hit, _)| hit.t);
         self.pass_lights(&path, query, t);
         self.cross_space(&mut path, t);
