@@ -29,7 +29,7 @@ impl<R: Recorder> Whitted<'_, '_, R> {
         let outside = point.outside || !solid;
         self.nodes[met.node].own = met.own;
         let sides = self.media.sides(inside, medium, point.outside, solid);
-        let eta = sides.ior[0] / sides.ior[1];
+        let eta = sides.eta();
         let d = point.ray.direction;
         let through = if solid { point.refracted(facet, eta) } else { Some(d) };
         let mut reflected = if through.is_none() { 1.0 } else { fresnel(-d.dot(facet), eta) };

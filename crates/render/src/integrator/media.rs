@@ -4,6 +4,8 @@
 use dioptric_geometry::HitId;
 use dioptric_math::{Spectrum, exp};
 
+use crate::scene::Scene;
+
 /// One transparent object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Medium {
@@ -28,6 +30,14 @@ pub struct Sides {
     pub near: Inside,
     /// What is around a ray that goes through.
     pub far: Inside,
+}
+
+impl Sides {
+    /// The index on the near side over that on the far one.
+    #[must_use]
+    pub fn eta(&self) -> f64 {
+        self.ior[0] / self.ior[1]
+    }
 }
 
 /// All surroundings that the rays of one sample have been in.
@@ -68,6 +78,16 @@ impl Media {
             inside = *outer;
         }
         false
+    }
+
+    /// What the innermost medium, or what fills the space between things, leaves of light over a distance in the space
+    /// of rays; fog aside.
+    #[must_use]
+    pub fn transmittance(&self, scene: &Scene, inside: Inside, distance: f64) -> Spectrum {
+        match self.top(inside) {
+            Some(medium) => absorbed(medium.absorption, distance / scene.root.scale()),
+            None => scene.surroundings.transmittance(distance),
+        }
     }
 
     /// With one more object around the ray.

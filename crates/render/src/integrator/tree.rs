@@ -9,7 +9,7 @@
 use dioptric_math::Spectrum;
 use serde_json::json;
 
-use super::media::{Inside, absorbed};
+use super::media::Inside;
 use super::recorder::{Recorder, Slot};
 use super::whitted::Whitted;
 use crate::film::FirstHit;
@@ -146,10 +146,7 @@ impl<R: Recorder> Whitted<'_, '_, R> {
         inside: Inside,
     ) -> Spectrum {
         let scene = self.scene;
-        let left = match self.media.top(inside) {
-            Some(medium) => absorbed(medium.absorption, distance / scene.root.scale()),
-            None => scene.surroundings.transmittance(distance),
-        };
+        let left = self.media.transmittance(scene, inside, distance);
         if left != Spectrum::ONE {
             self.recorder.note(id, "absorption", || json!({"transmittance": left.to_array()}));
             self.recorder.scale(id, "absorption", left);

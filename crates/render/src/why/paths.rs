@@ -84,7 +84,8 @@ pub(super) fn add_up(samples: &[Sample]) -> Paths {
         for term in ray.terms.iter().filter(|term| term.value != [0.0; 3]) {
             let class = term.detail.get("class").and_then(|c| c.as_str()).unwrap_or_default();
             let light = match term.name {
-                "background" | "fog" => Some(format!("the {}", term.name)),
+                // The sky has one name whether a path met it or asked for it.
+                "background" | "fog" => Some(term.name.to_owned()),
                 _ => term.light.clone(),
             };
             let known = groups.iter().position(|(c, l, _)| c == class && *l == light);

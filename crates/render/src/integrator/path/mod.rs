@@ -21,7 +21,7 @@ use dioptric_geometry::world::{Hit, Query};
 use dioptric_geometry::{Contacts, HitId, Ray};
 use dioptric_math::{DVec3, Spectrum};
 
-use super::media::{Inside, Media, absorbed};
+use super::media::{Inside, Media};
 use super::point::Leg;
 use super::recorder::{RayKind, Recorder};
 use super::resolve::Spare;
@@ -212,10 +212,7 @@ impl<'a, 'r, R: Recorder> Paths<'a, 'r, R> {
     /// What is left of light over a distance, by what the path is in.
     fn transmittance(&self, inside: Inside, distance: f64) -> Spectrum {
         let scene = self.scene;
-        let clear = match self.media.top(inside) {
-            Some(medium) => absorbed(medium.absorption, distance / scene.root.scale()),
-            None => scene.surroundings.transmittance(distance),
-        };
+        let clear = self.media.transmittance(scene, inside, distance);
         match scene.fog.as_ref().filter(|_| inside.is_none()) {
             Some(fog) => clear * fog.transmittance(distance),
             None => clear,

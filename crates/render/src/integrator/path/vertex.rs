@@ -66,9 +66,13 @@ fn share(own: f64, other: f64) -> f64 {
 
 /// What light counts that a path has met, by the densities with which its last surface sent it there and with which a
 /// question would have found it.
-fn share_of_path(how: LightSampling, path: f64, question: f64) -> f64 {
+fn share_of_path(how: LightSampling, path: f64, question: impl FnOnce() -> f64) -> f64 {
     // Sharp surfaces ask nobody, and some light can't be asked for.
-    if path == f64::INFINITY || question == 0.0 {
+    if path == f64::INFINITY {
+        return 1.0;
+    }
+    let question = question();
+    if question == 0.0 {
         return 1.0;
     }
     match how {
@@ -149,7 +153,7 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
         }
         let scene = self.scene;
         scene.sources.passed(&query.ray, path.normal, t, |source, distance, radiance, density| {
-            let weight = share_of_path(scene.settings.light_sampling, path.density, density);
+            let weight = share_of_path(scene.settings.light_sampling, path.density, || density);
             let clear = self.transmittance(path.inside, distance);
             let value = path.throughput * clear * radiance * weight;
             self.add(path, value, || Told::seen(What::Light(source), path.trail, weight));
@@ -173,12 +177,9 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
             return;
         }
         let (from, direction) = (query.ray.origin, query.ray.direction);
-        let question = if path.density == f64::INFINITY {
-            0.0
-        } else {
+        let weight = share_of_path(scene.settings.light_sampling, path.density, || {
             scene.sources.density_of_sky(from, path.normal, direction)
-        };
-        let weight = share_of_path(scene.settings.light_sampling, path.density, question);
+        });
         self.add(path, path.throughput * radiance * weight, || {
             Told::seen(What::Sky, path.trail, weight)
         });
@@ -192,10 +193,8 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
             return;
         }
         let scene = self.scene;
-        let question = if path.density == f64::INFINITY {
-            0.0
-        } else {
-            let Query { ray, .. } = query;
+        let Query { ray, .. } = query;
+        let weight = share_of_path(scene.settings.light_sampling, path.density, || {
             scene.sources.density_of_hit(
                 scene,
                 ray.origin,
@@ -204,8 +203,7 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
                 &point.surface,
                 ray.direction,
             )
-        };
-        let weight = share_of_path(scene.settings.light_sampling, path.density, question);
+        });
         let what = What::Object(point.hit.id);
         self.add(path, path.throughput * emission * weight, || {
             Told::seen(what, path.trail, weight)
@@ -238,11 +236,7 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
         };
         let frame = Frame::new(point.normal);
         let wo = frame.to_local(-point.ray.direction);
-        let seen = bsdf::Sides {
-            eta: sides.ior[0] / sides.ior[1],
-            outside: point.outside || !solid,
-            solid,
-        };
+        let seen = bsdf::Sides { eta: sides.eta(), outside: point.outside || !solid, solid };
         bsdf.set(&point.finish, &seen, wo);
         Vertex { point, frame, wo, bsdf, sides, solid }
     }
@@ -275,7 +269,7 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
             return None;
         };
         let throughput = path.throughput * sample.weight;
-        let sharp = sample.pdf == f64::INFINITY;
+        let sharp = sample.is_sharp();
         let mut next = Path {
             throughput,
             density: sample.pdf,
@@ -390,8 +384,8 @@ impl Vertex<'_, '_> {
         if (height < 0.0) == through && height != 0.0 {
             return Some((through, direction));
         }
-        let sharp = sample.pdf == f64::INFINITY;
-        (sharp && height != 0.0).then(|| (through, direction - geometric * (2.0 * height)))
+        (sample.is_sharp() && height != 0.0)
+            .then(|| (through, direction - geometric * (2.0 * height)))
     }
 
     /// The normal of the side from which light is wanted; none where it is from both.
@@ -414,7 +408,7 @@ impl Vertex<'_, '_> {
 
     /// What going through does to radiance: the ratio of the indices squared.
     fn squeeze(&self) -> f64 {
-        let eta = self.sides.ior[0] / self.sides.ior[1];
+        let eta = self.sides.eta();
         eta * eta
     }
 }
@@ -428,13 +422,13 @@ mod tests {
         for how in [LightSampling::Both, LightSampling::Lights, LightSampling::Surfaces] {
             for (path, question) in [(1.0, 1.0), (1e-3, 5.0), (1e200, 1e-200), (3.0, 1e300)] {
                 let sum =
-                    share_of_path(how, path, question) + share_of_question(how, question, path);
+                    share_of_path(how, path, || question) + share_of_question(how, question, path);
                 assert!((sum - 1.0).abs() < 1e-12, "{how:?} {path} {question}: {sum}");
             }
-            assert_eq!(share_of_path(how, f64::INFINITY, 2.0), 1.0);
-            assert_eq!(share_of_path(how, 2.0, 0.0), 1.0);
+            assert_eq!(share_of_path(how, f64::INFINITY, || 2.0), 1.0);
+            assert_eq!(share_of_path(how, 2.0, || 0.0), 1.0);
             assert_eq!(share_of_question(how, f64::INFINITY, 2.0), 1.0);
         }
-        assert!(share_of_path(LightSampling::Both, 10.0, 1.0) > 0.99);
+        assert!(share_of_path(LightSampling::Both, 10.0, || 1.0) > 0.99);
     }
 }
