@@ -2,11 +2,12 @@
 //! Making a picture: tiles over threads, progress, and a way to stop.
 //!
 //! A pixel's samples are added in order by one thread, so its bits do not depend on how the work is shared.
-//! Samples of neighbouring pixels are shot together: see [`pass`]. Adaptive pictures are made in two passes: all pixels with few samples, then more
-//! for those that the first pass picked (see [`adaptive`]).
+//! Samples of neighbouring pixels are shot together: see [`pass`]. Adaptive pictures are made in two passes: all pixels
+//! with few samples, then more ([`refine`](mod@refine)) for those that the first pass picked ([`adaptive`]).
 
 pub mod adaptive;
 mod pass;
+mod refine;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -18,7 +19,8 @@ pub use adaptive::samples_of_pixel;
 
 use self::adaptive::Summary;
 use self::pass::{Sampled, sample_tile, work_through};
-use crate::film::{Film, FilmPixel, Radiance, filled};
+use self::refine::refine;
+use crate::film::{Film, Radiance, filled};
 use crate::region::Region;
 use crate::sampling::{Antialias, PixelSample, Stream};
 use crate::setting::render::RenderSettings;
@@ -86,7 +88,7 @@ pub struct Progress<'a> {
     pub total: u64,
     /// Rays cast in the job so far.
     pub rays: RayCounts,
-    /// The tile that was finished just now.
+    /// The tile that was finished just now; in the second pass the rectangle around pixels that were.
     pub tile: Region,
     /// The film so far.
     pub film: &'a Film,
@@ -121,108 +123,13 @@ pub fn render(
     let shared = Mutex::new(&mut state);
     let samples = 0..settings.samples;
     let complete = work_through(pool, &around.tiles(), control, |tile| {
-        let sampled = sample_tile(settings, tile, samples.clone(), None, shoot, control);
-        lock(&shared).store(sampled, &around, !adaptive, control);
+        let sampled = sample_tile(settings, tile, samples.clone(), shoot, control);
+        lock(&shared).store(tile, sampled, &around, !adaptive, control);
     });
     if adaptive && complete {
         refine(settings, &around, pool, shoot, control, &mut state);
     }
     Ok(state.film)
-}
-
-/// The second pass of adaptive pictures.
-fn refine(
-    settings: &RenderSettings,
-    around: &Region,
-    pool: &ThreadPool,
-    shoot: &dyn Shoot,
-    control: &Control,
-    state: &mut State,
-) {
-    let summaries = std::mem::take(&mut state.summaries);
-    let region = state.film.region();
-    let chosen = Mutex::new(Vec::new());
-    let film = Mutex::new(&mut state.film);
-    // Decides for every pixel, and keeps the tiles in which there is something to do.
-    let complete = work_through(pool, &region.tiles(), control, |tile| {
-        let refined: Vec<bool> = tile
-            .pixels()
-            .map(|pixel| adaptive::wants_more(settings, around, &summaries, pixel))
-            .collect();
-        let mut film = lock(&film);
-        for ([x, y], refined) in tile.pixels().zip(&refined) {
-            if let Some(pixel) = film.pixel_mut(x, y) {
-                pixel.finished = !refined;
-            }
-        }
-        let count = refined.iter().filter(|r| **r).count() as u64;
-        if count > 0 {
-            lock(&chosen).push((tile, count));
-        }
-    });
-    if !complete {
-        return;
-    }
-    let mut chosen = chosen.into_inner().unwrap_or_else(PoisonError::into_inner);
-    chosen.sort_by_key(|(tile, _)| (tile.y, tile.x));
-    state.progress =
-        PassProgress { pass: 1, passes: 2, done: 0, total: chosen.iter().map(|(_, n)| n).sum() };
-    let tiles: Vec<Region> = chosen.into_iter().map(|(tile, _)| tile).collect();
-    let shared = Mutex::new(state);
-    work_through(pool, &tiles, control, |tile| {
-        let base: Vec<_> = {
-            let state = lock(&shared);
-            tile.pixels()
-                .map(|[x, y]| state.film.pixel(x, y).copied().unwrap_or_default())
-                .collect()
-        };
-        let own = |[x, y]: [u32; 2]| around.index(x, y).and_then(|i| summaries.get(i)).copied();
-        let sampled = refine_tile(settings, tile, base, own, shoot, control);
-        lock(&shared).store(sampled, around, true, control);
-    });
-}
-
-/// Gives the pixels of a tile that are not finished their first share of samples, and the rest to those that are uneven
-/// by then; `own` is the summary of a pixel's base samples.
-fn refine_tile(
-    settings: &RenderSettings,
-    tile: Region,
-    base: Vec<FilmPixel>,
-    own: impl Fn([u32; 2]) -> Option<Summary>,
-    shoot: &dyn Shoot,
-    control: &Control,
-) -> Sampled {
-    let share = adaptive::first_share(settings);
-    let samples = settings.samples..share;
-    let mut sampled = sample_tile(settings, tile, samples, Some(base), shoot, control);
-    if share == settings.max_samples {
-        return sampled;
-    }
-    let uneven = |i: usize, place| {
-        let later = sampled.summaries.get(i)?;
-        Some(own(place)?.with(later).is_uneven(settings.threshold))
-    };
-    let wanted: Vec<bool> = tile
-        .pixels()
-        .zip(&sampled.complete)
-        .enumerate()
-        .map(|(i, (place, complete))| *complete && uneven(i, place) == Some(true))
-        .collect();
-    let mut rest = sampled.pixels.clone();
-    for (pixel, wanted) in rest.iter_mut().zip(&wanted) {
-        pixel.finished = !wanted;
-    }
-    let more = sample_tile(settings, tile, share..settings.max_samples, Some(rest), shoot, control);
-    for (i, wanted) in wanted.into_iter().enumerate() {
-        if wanted && let Some(pixel) = more.pixels.get(i) {
-            sampled.pixels[i] = *pixel;
-            // Not where it was cancelled meanwhile.
-            sampled.complete[i] = more.complete[i];
-        }
-    }
-    sampled.rays.add(&more.rays);
-    sampled.summaries.clear();
-    sampled
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
@@ -245,8 +152,16 @@ struct PassProgress {
 }
 
 impl State {
-    fn store(&mut self, tile: Sampled, around: &Region, finished: bool, control: &Control) {
-        let Region { x, y, width, height } = tile.region;
+    /// Stores the first samples of a tile.
+    fn store(
+        &mut self,
+        region: Region,
+        tile: Sampled,
+        around: &Region,
+        finished: bool,
+        control: &Control,
+    ) {
+        let Region { x, y, width, height } = region;
         let width = width as usize;
         for row in 0..height as usize {
             let own = row * width..(row + 1) * width;
@@ -275,9 +190,14 @@ impl State {
             }
         }
         self.film.rays.add(&tile.rays);
+        self.report(region, control);
+    }
+
+    /// Tells who watches the job that pixels of `tile` are done.
+    fn report(&self, tile: Region, control: &Control) {
         if let Some(report) = control.on_progress {
             let PassProgress { pass, passes, done, total } = self.progress;
-            let (rays, film, tile) = (self.film.rays, &self.film, tile.region);
+            let (rays, film) = (self.film.rays, &self.film);
             report(&Progress { pass, passes, done, total, rays, tile, film });
         }
     }

@@ -13,36 +13,34 @@ use crate::sampling::{Antialias, pixel_sample};
 use crate::setting::render::RenderSettings;
 use crate::stats::RayCounts;
 
-/// The samples of one tile.
+/// The samples of some pixels, in the order in which these were given: of a tile row by row.
 pub(super) struct Sampled {
-    pub region: Region,
-    /// Row by row.
     pub pixels: Vec<FilmPixel>,
-    /// Which of them got all their samples; the others were left alone or cut off.
+    /// Which of them got all their samples; the others were cut off.
     pub complete: Vec<bool>,
-    /// Row by row, of adaptive pictures; else empty.
+    /// Of what was added here, in adaptive pictures; else empty.
     pub summaries: Vec<Summary>,
     pub rays: RayCounts,
 }
 
-/// Runs `work` on every tile, in order as far as threads allow; false where it was cancelled.
-pub(super) fn work_through(
+/// Runs `work` on every part (a tile, some pixels), in order as far as threads allow; false where it was cancelled.
+pub(super) fn work_through<T: Copy + Sync>(
     pool: &ThreadPool,
-    tiles: &[Region],
+    parts: &[T],
     control: &Control,
-    work: impl Fn(Region) + Sync,
+    work: impl Fn(T) + Sync,
 ) -> bool {
     let next = AtomicUsize::new(0);
     let worker = || {
-        while let Some(tile) = tiles.get(next.fetch_add(1, Ordering::Relaxed)) {
+        while let Some(part) = parts.get(next.fetch_add(1, Ordering::Relaxed)) {
             if is_cancelled(control) {
                 return;
             }
-            work(*tile);
+            work(*part);
         }
     };
     pool.scope(|scope| {
-        for _ in 0..pool.current_num_threads().min(tiles.len()) {
+        for _ in 0..pool.current_num_threads().min(parts.len()) {
             scope.spawn(|_| worker());
         }
     });
@@ -55,26 +53,39 @@ fn is_cancelled(control: &Control) -> bool {
 
 /// Samples that are shot together: enough to make packets of rays of all kinds, few enough for what is kept
 /// of them to stay in the processor's second cache.
-const BATCH: usize = 512;
+pub(super) const BATCH: usize = 512;
 
 /// Side of the blocks in which a tile's pixels are taken: rays that are next to each other in a batch should
 /// be so in the picture, in both directions.
 const BLOCK: u32 = 4;
 
-/// Adds samples to the pixels of a tile: to new ones, or to those of `base` that are not finished.
+/// Takes the first samples of a tile's pixels.
 pub(super) fn sample_tile(
     settings: &RenderSettings,
     tile: Region,
     samples: Range<u32>,
-    base: Option<Vec<FilmPixel>>,
     shoot: &dyn Shoot,
     control: &Control,
 ) -> Sampled {
     let count = tile.area() as usize;
+    let places = blocks(&tile).into_iter().filter_map(|[x, y]| Some((tile.index(x, y)?, [x, y])));
+    sample(settings, places, vec![FilmPixel::default(); count], samples, shoot, control)
+}
+
+/// Adds samples to pixels; `places` are their numbers in `base` and in the picture, in the order of shooting.
+pub(super) fn sample(
+    settings: &RenderSettings,
+    places: impl Iterator<Item = (usize, [u32; 2])>,
+    base: Vec<FilmPixel>,
+    samples: Range<u32>,
+    shoot: &dyn Shoot,
+    control: &Control,
+) -> Sampled {
+    let count = base.len();
     let mut work = Work {
         shoot,
         control,
-        base: base.unwrap_or_else(|| vec![FilmPixel::default(); count]),
+        base,
         wanted: samples.len() as u32,
         shots: Vec::with_capacity(BATCH),
         pixels_of: Vec::with_capacity(BATCH),
@@ -86,26 +97,22 @@ pub(super) fn sample_tile(
         added: vec![0; count],
         rays: RayCounts::default(),
     };
-    for [x, y] in blocks(&tile) {
-        let Some(pixel) = tile.index(x, y) else { continue };
-        if work.base[pixel].finished {
-            continue;
-        }
+    for (pixel, place) in places {
         for index in samples.clone() {
-            let (sample, stream) = pixel_sample(settings, [x, y], index);
+            let (sample, stream) = pixel_sample(settings, place, index);
             work.shots.push(Shot { sample, stream });
             work.pixels_of.push(pixel);
             if work.shots.len() == BATCH && !work.shoot_batch() {
-                return work.finish(tile);
+                return work.finish();
             }
         }
     }
     work.shoot_batch();
-    work.finish(tile)
+    work.finish()
 }
 
 /// The pixels of a tile, block by block.
-fn blocks(tile: &Region) -> Vec<[u32; 2]> {
+pub(super) fn blocks(tile: &Region) -> Vec<[u32; 2]> {
     let mut pixels = Vec::with_capacity(tile.area() as usize);
     let ends = |start: u32, length: u32| (start + BLOCK).min(length);
     for top in (0..tile.height).step_by(BLOCK as usize) {
@@ -120,7 +127,7 @@ fn blocks(tile: &Region) -> Vec<[u32; 2]> {
     pixels
 }
 
-/// A tile being sampled.
+/// Pixels being sampled.
 struct Work<'a> {
     shoot: &'a dyn Shoot,
     control: &'a Control<'a>,
@@ -162,12 +169,12 @@ impl Work<'_> {
     }
 
     /// The pixels that got all their samples.
-    fn finish(self, region: Region) -> Sampled {
+    fn finish(self) -> Sampled {
         let Self { base, wanted, mut summaries, added, rays, .. } = self;
         for (summary, pixel) in summaries.iter_mut().zip(&base) {
             summary.finish(pixel);
         }
-        let complete = base.iter().zip(added).map(|(p, n)| n == wanted && !p.finished).collect();
-        Sampled { region, pixels: base, complete, summaries, rays }
+        let complete = added.into_iter().map(|n| n == wanted).collect();
+        Sampled { pixels: base, complete, summaries, rays }
     }
 }
