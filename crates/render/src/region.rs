@@ -81,11 +81,16 @@ impl Region {
         Self { x, y, width, height }
     }
 
+    /// The side of the tiles of which this region is made.
+    pub(crate) fn tile_side(&self) -> u32 {
+        if self.area() < SMALL { TILE / 2 } else { TILE }
+    }
+
     /// The tiles of which this region is made, row by row. Their edges lie where those of the full
     /// picture's tiles do.
     #[must_use]
     pub fn tiles(&self) -> Vec<Self> {
-        let side = if self.area() < SMALL { TILE / 2 } else { TILE };
+        let side = self.tile_side();
         let cut = |start: u32, length: u32| {
             let end = start.saturating_add(length);
             let mut parts = Vec::new();

@@ -120,7 +120,8 @@ impl Summary {
         self
     }
 
-    fn differs(&self, other: &Self, threshold: f64) -> bool {
+    /// Whether there is an edge between two pixels.
+    pub fn differs(&self, other: &Self, threshold: f64) -> bool {
         self.thing.differs(&other.thing) || apart(self.shown, other.shown, threshold)
     }
 }
@@ -136,30 +137,48 @@ fn apart(a: [f32; 3], b: [f32; 3], threshold: f64) -> bool {
 
 /// Whether normals differ; nothing and nothing do not.
 fn bent(a: [f32; 3], b: [f32; 3]) -> bool {
-    let dot: f64 = a.iter().zip(b).map(|(a, b)| f64::from(*a) * f64::from(b)).sum();
-    a != b && dot < NORMAL_LIMIT
+    let dot = || a.iter().zip(b).map(|(a, b)| f64::from(*a) * f64::from(b)).sum::<f64>();
+    a != b && dot() < NORMAL_LIMIT
 }
 
-/// Whether a pixel is to be refined; `summaries` are those of `around`, row by row.
-pub(super) fn wants_more(
+/// Whether each pixel of a region is to be refined by what the region itself shows; `summaries` are its pixels', row by row.
+pub(super) fn wanted_within(
     settings: &RenderSettings,
-    around: &Region,
+    region: &Region,
     summaries: &[Summary],
-    pixel: [u32; 2],
+) -> Vec<bool> {
+    let threshold = settings.threshold;
+    let mut wanted: Vec<bool> = summaries.iter().map(|own| own.is_uneven(threshold)).collect();
+    let width = region.width as usize;
+    for (row, first) in (0..summaries.len()).step_by(width).enumerate() {
+        for i in first..first + width {
+            let left = (i > first).then(|| i - 1);
+            let above = (row > 0).then(|| i - width);
+            for other in [left, above].into_iter().flatten() {
+                if summaries[i].differs(&summaries[other], threshold) {
+                    (wanted[i], wanted[other]) = (true, true);
+                }
+            }
+        }
+    }
+    wanted
+}
+
+/// Whether a pixel is to be refined for the sake of one of the four beside it, of which `at` knows the summaries.
+pub(super) fn unlike_neighbour<'a>(
+    settings: &RenderSettings,
+    [x, y]: [u32; 2],
+    at: impl Fn([u32; 2]) -> Option<&'a Summary>,
 ) -> bool {
-    let at = |x, y| around.index(x, y).and_then(|i| summaries.get(i));
-    let [x, y] = pixel;
-    let Some(own) = at(x, y) else { return false };
+    let Some(own) = at([x, y]) else { return false };
     let differs = |x: Option<u32>, y: Option<u32>| {
-        let other = x.zip(y).and_then(|(x, y)| at(x, y));
+        let other = x.zip(y).and_then(|(x, y)| at([x, y]));
         other.is_some_and(|other| own.differs(other, settings.threshold))
     };
-    settings.max_samples > settings.samples
-        && (own.is_uneven(settings.threshold)
-            || differs(x.checked_sub(1), Some(y))
-            || differs(x.checked_add(1), Some(y))
-            || differs(Some(x), y.checked_sub(1))
-            || differs(Some(x), y.checked_add(1)))
+    differs(x.checked_sub(1), Some(y))
+        || differs(x.checked_add(1), Some(y))
+        || differs(Some(x), y.checked_sub(1))
+        || differs(Some(x), y.checked_add(1))
 }
 
 /// How many samples a pixel of the picture gets. For adaptive pictures this shoots the base samples of
@@ -189,11 +208,14 @@ pub fn samples_of_pixel(settings: &RenderSettings, pixel: [u32; 2], shoot: &dyn 
     let base = 0..settings.samples;
     let summaries: Vec<Summary> =
         around.pixels().map(|place| summary(place, base.clone())).collect();
-    if !wants_more(settings, &around, &summaries, pixel) {
+    let at = |[x, y]: [u32; 2]| around.index(x, y).and_then(|i| summaries.get(i));
+    let own = at(pixel).copied().unwrap_or_default();
+    if settings.max_samples <= settings.samples
+        || !own.is_uneven(settings.threshold) && !unlike_neighbour(settings, pixel, at)
+    {
         return settings.samples;
     }
     let share = first_share(settings);
-    let own = around.index(pixel[0], pixel[1]).and_then(|i| summaries.get(i)).copied();
-    let own = own.unwrap_or_default().with(&summary(pixel, settings.samples..share));
+    let own = own.with(&summary(pixel, settings.samples..share));
     if own.is_uneven(settings.threshold) { settings.max_samples } else { share }
 }

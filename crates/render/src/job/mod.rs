@@ -6,6 +6,7 @@
 //! with few samples, then more ([`refine`](mod@refine)) for those that the first pass picked ([`adaptive`]).
 
 pub mod adaptive;
+mod borders;
 mod pass;
 mod refine;
 
@@ -17,10 +18,9 @@ use rayon::ThreadPool;
 
 pub use adaptive::samples_of_pixel;
 
-use self::adaptive::Summary;
 use self::pass::{Sampled, sample_tile, work_through};
-use self::refine::refine;
-use crate::film::{Film, Radiance, filled};
+use self::refine::{Choice, Wanted, choose_within, refine};
+use crate::film::{Film, Radiance};
 use crate::region::Region;
 use crate::sampling::{Antialias, PixelSample, Stream};
 use crate::setting::render::RenderSettings;
@@ -112,7 +112,7 @@ pub fn render(
     let around = if adaptive { region.grown(settings.size) } else { region };
     let mut state = State {
         film: pool.install(|| Film::new(region))?,
-        summaries: if adaptive { pool.install(|| filled(&around))? } else { Vec::new() },
+        choice: if adaptive { Some(pool.install(|| Choice::new(around))?) } else { None },
         progress: PassProgress {
             pass: 0,
             passes: 1 + u32::from(adaptive),
@@ -121,13 +121,18 @@ pub fn render(
         },
     };
     let shared = Mutex::new(&mut state);
+    let side = around.tile_side();
     let samples = 0..settings.samples;
     let complete = work_through(pool, &around.tiles(), control, |tile| {
-        let sampled = sample_tile(settings, tile, samples.clone(), shoot, control);
-        lock(&shared).store(tile, sampled, &around, !adaptive, control);
+        let mut sampled = sample_tile(settings, tile, samples.clone(), shoot, control);
+        let mut wanted = Vec::new();
+        if adaptive {
+            wanted = choose_within(settings, &tile, side, &mut sampled);
+        }
+        lock(&shared).store(tile, &sampled, wanted, control);
     });
-    if adaptive && complete {
-        refine(settings, &around, pool, shoot, control, &mut state);
+    if let Some(choice) = state.choice.take().filter(|_| complete) {
+        refine(settings, choice, pool, shoot, control, &mut state);
     }
     Ok(state.film)
 }
@@ -139,8 +144,8 @@ fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
 /// What the threads write into.
 struct State {
     film: Film,
-    /// Of the region and its surroundings, row by row; adaptive pictures only.
-    summaries: Vec<Summary>,
+    /// What is to be refined, of adaptive pictures.
+    choice: Option<Choice>,
     progress: PassProgress,
 }
 
@@ -152,42 +157,29 @@ struct PassProgress {
 }
 
 impl State {
-    /// Stores the first samples of a tile.
-    fn store(
-        &mut self,
-        region: Region,
-        tile: Sampled,
-        around: &Region,
-        finished: bool,
-        control: &Control,
-    ) {
+    /// Stores the first samples of a tile, and which of its pixels want more.
+    fn store(&mut self, region: Region, tile: &Sampled, wanted: Vec<Wanted>, control: &Control) {
         let Region { x, y, width, height } = region;
         let width = width as usize;
         for row in 0..height as usize {
             let own = row * width..(row + 1) * width;
             let (Some(pixels), Some(complete)) =
-                (tile.pixels.get(own.clone()), tile.complete.get(own.clone()))
+                (tile.pixels.get(own.clone()), tile.complete.get(own))
             else {
                 continue;
             };
             self.progress.done += complete.iter().filter(|complete| **complete).count() as u64;
-            let summaries = tile.summaries.get(own).unwrap_or_default();
-            let at = around.index(x, y + row as u32).unwrap_or(usize::MAX);
-            let slots = self.summaries.get_mut(at..).unwrap_or_default();
-            for ((slot, summary), complete) in slots.iter_mut().zip(summaries).zip(complete) {
-                if *complete {
-                    *slot = *summary;
-                }
-            }
             // Tiles of what is around the film may stick out of it.
             for (column, (pixel, _)) in
                 pixels.iter().zip(complete).enumerate().filter(|(_, (_, complete))| **complete)
             {
                 if let Some(slot) = self.film.pixel_mut(x + column as u32, y + row as u32) {
                     *slot = *pixel;
-                    slot.finished = finished;
                 }
             }
+        }
+        if let Some(choice) = &mut self.choice {
+            choice.note(&region, tile, wanted);
         }
         self.film.rays.add(&tile.rays);
         self.report(region, control);

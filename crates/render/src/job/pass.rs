@@ -57,9 +57,9 @@ pub(super) const BATCH: usize = 512;
 
 /// Side of the blocks in which a tile's pixels are taken: rays that are next to each other in a batch should
 /// be so in the picture, in both directions.
-const BLOCK: u32 = 4;
+pub(super) const BLOCK: u32 = 4;
 
-/// Takes the first samples of a tile's pixels.
+/// Takes the first samples of a tile's pixels, which are finished then.
 pub(super) fn sample_tile(
     settings: &RenderSettings,
     tile: Region,
@@ -69,7 +69,9 @@ pub(super) fn sample_tile(
 ) -> Sampled {
     let count = tile.area() as usize;
     let places = blocks(&tile).into_iter().filter_map(|[x, y]| Some((tile.index(x, y)?, [x, y])));
-    sample(settings, places, vec![FilmPixel::default(); count], samples, shoot, control)
+    let mut new = FilmPixel::default();
+    new.finished = true;
+    sample(settings, places, vec![new; count], samples, shoot, control)
 }
 
 /// Adds samples to pixels; `places` are their numbers in `base` and in the picture, in the order of shooting.

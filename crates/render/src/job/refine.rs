@@ -1,17 +1,22 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The second pass of adaptive pictures: more samples for the pixels that want them.
 //!
-//! These pixels are few in each tile, so that they are put in a row, tile after tile, and shared out in parts that fill
-//! batches of samples: rays are cast fastest together.
+//! What a tile's own pixels say of each other is decided as soon as the tile is there; only along its edges what is known
+//! of pixels must wait for the tiles beside ([`Borders`]).
+//!
+//! The pixels to be refined are few in each tile, so that they are put in a row, tile after tile, and shared out in parts
+//! that fill batches of samples: rays are cast fastest together.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::Mutex;
 
+use dioptric_scene::Diagnostic;
 use rayon::ThreadPool;
 
 use super::adaptive::{self, Summary};
-use super::pass::{BATCH, Sampled, blocks, sample, work_through};
+use super::borders::{Borders, is_outer};
+use super::pass::{BATCH, BLOCK, Sampled, blocks, sample, work_through};
 use super::{Control, PassProgress, Region, Shoot, State, lock};
-use crate::film::FilmPixel;
+use crate::film::{Film, FilmPixel};
 use crate::setting::render::RenderSettings;
 
 /// The most samples of a part, in batches: what is left over of the last one should not matter.
@@ -20,91 +25,139 @@ const BATCHES: usize = 8;
 /// Parts that each thread gets at least, so that all are done at about the same time.
 const PARTS_EACH: usize = 8;
 
+/// A pixel that wants more samples, and what is known of its first ones.
+pub(super) type Wanted = ([u32; 2], Summary);
+
+/// The pixels of a tile of this side (those at a region's end may be smaller) that want more samples by what the tile shows; these are not finished, nor are those that lie
+/// beside other tiles.
+pub(super) fn choose_within(
+    settings: &RenderSettings,
+    tile: &Region,
+    side: u32,
+    sampled: &mut Sampled,
+) -> Vec<Wanted> {
+    if settings.max_samples <= settings.samples {
+        return Vec::new();
+    }
+    let wanted = adaptive::wanted_within(settings, tile, &sampled.summaries);
+    for ((pixel, wanted), place) in sampled.pixels.iter_mut().zip(&wanted).zip(tile.pixels()) {
+        pixel.finished = !wanted && !is_outer(side, place);
+    }
+    let found = blocks(tile).into_iter().filter_map(|[x, y]| {
+        let i = tile.index(x, y)?;
+        (*wanted.get(i)?).then_some(([x, y], *sampled.summaries.get(i)?))
+    });
+    found.collect()
+}
+
+/// What is to be refined, tile by tile.
+pub(super) struct Choice {
+    borders: Borders,
+    side: u32,
+    tiles: Vec<(Region, Vec<Wanted>)>,
+}
+
+impl Choice {
+    /// Nothing yet of a region.
+    ///
+    /// # Errors
+    /// There is not enough memory.
+    pub fn new(around: Region) -> Result<Self, Diagnostic> {
+        Ok(Self { borders: Borders::new(around)?, side: around.tile_side(), tiles: Vec::new() })
+    }
+
+    /// Notes what a tile shows.
+    pub fn note(&mut self, tile: &Region, sampled: &Sampled, wanted: Vec<Wanted>) {
+        for (pixel, summary) in tile.pixels().zip(&sampled.summaries) {
+            self.borders.set(pixel, summary);
+        }
+        self.tiles.push((*tile, wanted));
+    }
+
+    /// Now that all tiles are there: all pixels of the film that are to be refined, tile after tile. The others are marked
+    /// as finished.
+    fn finish(mut self, settings: &RenderSettings, film: &mut Film) -> Vec<Wanted> {
+        self.tiles.sort_by_key(|(tile, _)| (tile.y, tile.x));
+        let (mut all, mut chosen) = (Vec::new(), Vec::new());
+        let side = self.side;
+        for (tile, wanted) in self.tiles {
+            let first = all.len();
+            all.extend(wanted.into_iter().filter(|([x, y], _)| film.pixel(*x, *y).is_some()));
+            let inner = all.len();
+            chosen.clear();
+            chosen.resize(tile.area() as usize, false);
+            for ([x, y], _) in &all[first..] {
+                tile.index(*x, *y).into_iter().for_each(|i| chosen[i] = true);
+            }
+            let outer = tile.pixels().zip(&chosen).filter(|(place, _)| is_outer(side, *place));
+            for (place, _) in outer.filter(|(_, chosen)| !**chosen) {
+                let Some(pixel) = film.pixel_mut(place[0], place[1]) else { continue };
+                let at = |place| self.borders.get(place);
+                if adaptive::unlike_neighbour(settings, place, at) {
+                    all.extend(at(place).map(|summary| (place, *summary)));
+                } else {
+                    pixel.finished = true;
+                }
+            }
+            if all.len() > inner {
+                all[first..].sort_by_key(|([x, y], _)| (y / BLOCK, x / BLOCK, *y, *x));
+            }
+        }
+        all
+    }
+}
+
 /// Samples the pixels that want it further.
 pub(super) fn refine(
     settings: &RenderSettings,
-    around: &Region,
+    choice: Choice,
     pool: &ThreadPool,
     shoot: &dyn Shoot,
     control: &Control,
     state: &mut State,
 ) {
-    let summaries = std::mem::take(&mut state.summaries);
-    let Some(chosen) = choose(settings, around, &summaries, pool, control, state) else { return };
+    if settings.max_samples <= settings.samples {
+        return;
+    }
+    let chosen = choice.finish(settings, &mut state.film);
     state.progress = PassProgress { pass: 1, passes: 2, done: 0, total: chosen.len() as u64 };
-    let each = settings.max_samples.saturating_sub(settings.samples).max(1) as usize;
+    let each = (settings.max_samples - settings.samples) as usize;
     let fair = chosen.len() / (pool.current_num_threads() * PARTS_EACH);
     let length = (BATCHES * BATCH / each).min(fair).max(BATCH / each).max(1);
-    let parts: Vec<&[[u32; 2]]> = chosen.chunks(length).collect();
+    let parts: Vec<&[Wanted]> = chosen.chunks(length).collect();
     let shared = Mutex::new(state);
-    work_through(pool, &parts, control, |places: &[[u32; 2]]| {
+    work_through(pool, &parts, control, |part: &[Wanted]| {
         let base: Vec<FilmPixel> = {
             let film = &lock(&shared).film;
-            places.iter().map(|&[x, y]| film.pixel(x, y).copied().unwrap_or_default()).collect()
+            part.iter().map(|([x, y], _)| film.pixel(*x, *y).copied().unwrap_or_default()).collect()
         };
-        let own = |[x, y]: [u32; 2]| around.index(x, y).and_then(|i| summaries.get(i)).copied();
-        let sampled = refine_part(settings, places, base, own, shoot, control);
-        lock(&shared).store_refined(places, &sampled, control);
+        let sampled = refine_part(settings, part, base, shoot, control);
+        lock(&shared).store_refined(part, &sampled, control);
     });
 }
 
-/// Decides for every pixel, marks those that are finished, and returns the others, tile after tile; nothing if
-/// cancelled meanwhile.
-fn choose(
-    settings: &RenderSettings,
-    around: &Region,
-    summaries: &[Summary],
-    pool: &ThreadPool,
-    control: &Control,
-    state: &mut State,
-) -> Option<Vec<[u32; 2]>> {
-    let tiles = state.film.region().tiles();
-    let chosen = Mutex::new(Vec::new());
-    let film = Mutex::new(&mut state.film);
-    let complete = work_through(pool, &tiles, control, |tile| {
-        let (wanted, even): (Vec<_>, Vec<_>) = blocks(&tile)
-            .into_iter()
-            .partition(|&place| adaptive::wants_more(settings, around, summaries, place));
-        let mut film = lock(&film);
-        for [x, y] in even {
-            if let Some(pixel) = film.pixel_mut(x, y) {
-                pixel.finished = true;
-            }
-        }
-        if !wanted.is_empty() {
-            lock(&chosen).push((tile, wanted));
-        }
-    });
-    let mut chosen = chosen.into_inner().unwrap_or_else(PoisonError::into_inner);
-    chosen.sort_by_key(|(tile, _)| (tile.y, tile.x));
-    complete.then(|| chosen.into_iter().flat_map(|(_, wanted)| wanted).collect())
-}
-
-/// Gives pixels their first share of samples, and the rest to those that are uneven by then; `own` is the summary of a
-/// pixel's base samples.
+/// Gives pixels their first share of samples, and the rest to those that are uneven by then.
 fn refine_part(
     settings: &RenderSettings,
-    places: &[[u32; 2]],
+    part: &[Wanted],
     base: Vec<FilmPixel>,
-    own: impl Fn([u32; 2]) -> Option<Summary>,
     shoot: &dyn Shoot,
     control: &Control,
 ) -> Sampled {
     let share = adaptive::first_share(settings);
     let samples = settings.samples..share;
-    let all = places.iter().copied().enumerate();
+    let all = part.iter().map(|(place, _)| *place).enumerate();
     let mut sampled = sample(settings, all, base, samples, shoot, control);
     if share == settings.max_samples {
         return sampled;
     }
     let uneven = |&i: &usize| {
-        let summary = own(places[i]).zip(sampled.summaries.get(i));
-        sampled.complete[i]
-            && summary.is_some_and(|(own, later)| own.with(later).is_uneven(settings.threshold))
+        let own = part[i].1.with(&sampled.summaries[i]);
+        sampled.complete[i] && own.is_uneven(settings.threshold)
     };
-    let wanted: Vec<usize> = (0..places.len()).filter(uneven).collect();
+    let wanted: Vec<usize> = (0..part.len()).filter(uneven).collect();
     let base = wanted.iter().map(|&i| sampled.pixels[i]).collect();
-    let rest = wanted.iter().map(|&i| places[i]).enumerate();
+    let rest = wanted.iter().map(|&i| part[i].0).enumerate();
     let more = sample(settings, rest, base, share..settings.max_samples, shoot, control);
     for ((i, pixel), complete) in wanted.into_iter().zip(more.pixels).zip(more.complete) {
         sampled.pixels[i] = pixel;
@@ -117,10 +170,10 @@ fn refine_part(
 
 impl State {
     /// Stores pixels with all their samples.
-    fn store_refined(&mut self, places: &[[u32; 2]], sampled: &Sampled, control: &Control) {
+    fn store_refined(&mut self, part: &[Wanted], sampled: &Sampled, control: &Control) {
         let [mut low, mut high] = [[u32::MAX; 2], [0; 2]];
-        for ((&[x, y], pixel), _) in
-            places.iter().zip(&sampled.pixels).zip(&sampled.complete).filter(|(_, done)| **done)
+        for ((&([x, y], _), pixel), _) in
+            part.iter().zip(&sampled.pixels).zip(&sampled.complete).filter(|(_, done)| **done)
         {
             if let Some(slot) = self.film.pixel_mut(x, y) {
                 *slot = *pixel;
