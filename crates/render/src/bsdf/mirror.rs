@@ -9,7 +9,7 @@ use super::BsdfSample;
 use super::ggx::{Facets, image};
 use super::loss::Loss;
 use super::often;
-use crate::integrator::optics::schlick;
+use crate::material::Reflectance;
 
 /// A sharp mirror, seen from one direction: one direction goes on, with this weight.
 #[derive(Clone, Copy, Debug)]
@@ -33,8 +33,7 @@ impl Mirror {
 pub struct RoughMirror {
     facets: Facets,
     loss: Loss,
-    reflect: Spectrum,
-    grazing: Spectrum,
+    reflect: Reflectance,
     /// What several facets mirror: times the loss in the other direction.
     often: Spectrum,
     /// The chance to look for that.
@@ -42,20 +41,18 @@ pub struct RoughMirror {
 }
 
 impl RoughMirror {
-    /// A mirror whose facets reflect from `reflect` to `grazing` by Schlick's curve.
-    pub(super) fn new(alpha: f64, reflect: Spectrum, grazing: Spectrum, wo: DVec3) -> Self {
+    /// A mirror whose facets reflect so much.
+    pub(super) fn new(alpha: f64, reflect: Reflectance, wo: DVec3) -> Self {
         let loss = Loss::of_mirror(alpha);
         let (lost, mean) = (loss.at(wo.z), loss.mean());
-        // The mean of Schlick's curve over the hemisphere: 2 int mu (1 - mu)^5 = 1 / 21.
-        let f = reflect + (grazing - reflect) / 21.0;
+        let f = reflect.mean();
         let many = f * f * (1.0 - mean) / (Spectrum::ONE - f * mean);
-        let once = schlick(reflect, grazing, wo.z).max_element() * (1.0 - lost);
+        let once = reflect.at(wo.z).max_element() * (1.0 - lost);
         let often = many.max_element() * lost;
         Self {
             facets: Facets::new(alpha, wo),
             loss,
             reflect,
-            grazing,
             often: many * (lost / mean * FRAC_1_PI),
             chance: if often > 0.0 { often / (once + often) } else { 0.0 },
         }
@@ -63,14 +60,13 @@ impl RoughMirror {
 
     /// About how much it sends to the viewer of light from everywhere.
     pub(super) fn power(&self, wo: DVec3) -> f64 {
-        schlick(self.reflect, self.grazing, wo.z).max_element()
+        self.reflect.at(wo.z).max_element()
     }
 
     #[inline]
     pub(super) fn eval_pdf(&self, wo: DVec3, wi: DVec3) -> (Spectrum, f64) {
         let Some(once) = self.facets.glint(wo, wi) else { return (Spectrum::ZERO, 0.0) };
-        let f = schlick(self.reflect, self.grazing, once.cos) * once.f
-            + self.often * (self.loss.at(wi.z) * wi.z);
+        let f = self.reflect.at(once.cos) * once.f + self.often * (self.loss.at(wi.z) * wi.z);
         let around = often::density(self.facets.alpha, wi.z);
         (f, (1.0 - self.chance) * once.pdf + self.chance * around)
     }
@@ -94,9 +90,10 @@ mod tests {
     #[test]
     fn a_hardly_rough_mirror_is_a_sharp_one() {
         let wo = DVec3::new(0.6, 0.0, 0.8);
-        let (low, high) = (Spectrum::new(0.9, 0.5, 0.2), Spectrum::ONE);
-        let rough = RoughMirror::new(2e-4, low, high, wo);
-        let sharp = Mirror { weight: schlick(low, high, wo.z) };
+        let normal = Spectrum::new(0.9, 0.5, 0.2);
+        let gold = Reflectance::Curve { normal, grazing: Spectrum::ONE };
+        let rough = RoughMirror::new(2e-4, gold, wo);
+        let sharp = Mirror { weight: gold.at(wo.z) };
         let sample = rough.sample(wo, 0.9, [0.3, 0.4]).unwrap();
         assert!((sample.wi - sharp.sample(wo).wi).length() < 1e-3);
         assert!((sample.weight - sharp.weight).length() < 1e-3, "{}", sample.weight);
@@ -105,8 +102,8 @@ mod tests {
     #[test]
     fn many_reflections_make_colours_deeper() {
         let wo = DVec3::Z;
-        let gold = Spectrum::new(1.0, 0.5, 0.1);
-        let rough = RoughMirror::new(1.0, gold, gold, wo);
+        let gold = Reflectance::constant(Spectrum::new(1.0, 0.5, 0.1));
+        let rough = RoughMirror::new(1.0, gold, wo);
         // Far from the mirrored direction hardly anything has been reflected only once.
         let (f, _) = rough.eval_pdf(wo, DVec3::new(0.995, 0.0, (1.0 - 0.995_f64 * 0.995).sqrt()));
         assert!(f.y / f.x < 0.5 && f.z / f.x < 0.1, "{f}");

@@ -15,8 +15,8 @@
 
 use dioptric_math::{DVec3, Spectrum};
 
-use crate::integrator::optics::{fresnel, schlick};
-use crate::material::{Finish, Optics};
+use crate::integrator::optics::fresnel;
+use crate::material::{Finish, Optics, Reflectance};
 use coat::{Coat, Glaze, Ground};
 use diffuse::Lambert;
 use frosted::Frosted;
@@ -116,12 +116,12 @@ impl Bsdf {
         self.count = 0;
         match finish.optics {
             Optics::Opaque => self.lit(finish, 1.0, wo),
-            Optics::Mirror { reflect, grazing, roughness, covers: false } => {
+            Optics::Mirror { reflect, roughness, covers: false } => {
                 self.lit(finish, 1.0, wo);
-                self.mirror(roughness, reflect, grazing, wo);
+                self.mirror(roughness, reflect, wo);
             }
-            Optics::Mirror { reflect, roughness, covers: true, .. } => {
-                self.coated(finish.diffuse, reflect.max_element(), roughness, wo);
+            Optics::Mirror { reflect, roughness, covers: true } => {
+                self.coated(finish.diffuse, reflect.at(1.0).max_element(), roughness, wo);
             }
             Optics::Shares { own, ior, tint, .. } => {
                 let eta = match (sides.solid, sides.outside) {
@@ -169,12 +169,12 @@ impl Bsdf {
         }
     }
 
-    fn mirror(&mut self, alpha: f64, reflect: Spectrum, grazing: Spectrum, wo: DVec3) {
+    fn mirror(&mut self, alpha: f64, reflect: Reflectance, wo: DVec3) {
         if alpha < SMOOTHEST {
-            let weight = schlick(reflect, grazing, wo.z);
+            let weight = reflect.at(wo.z);
             self.add(Lobe::Mirror(Mirror { weight }), weight.max_element());
         } else {
-            let lobe = RoughMirror::new(alpha, reflect, grazing, wo);
+            let lobe = RoughMirror::new(alpha, reflect, wo);
             let power = lobe.power(wo);
             self.add(Lobe::RoughMirror(lobe), power);
         }

@@ -7,7 +7,7 @@ use dioptric_math::random::Random;
 use dioptric_math::{DVec3, Spectrum, cbrt, exp, sin_cos};
 
 use super::{Bsdf, BsdfSample, Sides};
-use crate::material::{Finish, Highlight, HighlightModel, Optics};
+use crate::material::{Conductor, Finish, Highlight, HighlightModel, Optics, Reflectance};
 
 /// A surface and what it promises.
 #[derive(Clone, Debug)]
@@ -71,19 +71,30 @@ pub(super) fn cases() -> Vec<Case> {
     add("grey".into(), Finish::matte(Spectrum::new(0.2, 0.5, 0.8)), AIR);
     let mirror = |alpha: f64, low: f64, high: f64| Finish {
         optics: Optics::Mirror {
-            reflect: Spectrum::new(low, 0.7 * low, 0.1 * low),
-            grazing: Spectrum::splat(high),
+            reflect: Reflectance::Curve {
+                normal: Spectrum::new(low, 0.7 * low, 0.1 * low),
+                grazing: Spectrum::splat(high),
+            },
             roughness: alpha,
             covers: false,
         },
         ..black
     };
+    let conductor = |alpha: f64, [n, k]: [Spectrum; 2]| {
+        let reflect = Reflectance::Metal(Conductor::new(n, k));
+        Finish { optics: Optics::Mirror { reflect, roughness: alpha, covers: false }, ..black }
+    };
+    let gold = [Spectrum::new(0.14, 0.38, 1.4), Spectrum::new(3.9, 2.6, 1.9)];
+    // Without a real part all is reflected.
+    let perfect = [Spectrum::ZERO, Spectrum::splat(3.0)];
     let plastic = |alpha: f64, color: Spectrum, ior: f64| {
         let root = (ior - 1.0) / (ior + 1.0);
         Finish {
             optics: Optics::Mirror {
-                reflect: Spectrum::splat(root * root),
-                grazing: Spectrum::ONE,
+                reflect: Reflectance::Curve {
+                    normal: Spectrum::splat(root * root),
+                    grazing: Spectrum::ONE,
+                },
                 roughness: alpha,
                 covers: true,
             },
@@ -109,6 +120,8 @@ pub(super) fn cases() -> Vec<Case> {
         }
         lossless.push(add(name("mirror"), mirror(alpha, 1.0, 1.0), AIR));
         add(name("metal"), mirror(alpha, 0.6, 1.0), AIR);
+        add(name("conductor"), conductor(alpha, gold), AIR);
+        lossless.push(add(name("no resistance"), conductor(alpha, perfect), AIR));
         lossless.push(add(name("plastic"), plastic(alpha, Spectrum::ONE, 1.5), AIR));
         add(name("blue plastic"), plastic(alpha, Spectrum::new(0.0, 0.2, 0.9), 1.33), AIR);
         for eta in [1.0 / 1.5, 1.0 / 2.4, 1.5, 1.0 / 1.1] {
@@ -123,9 +136,8 @@ pub(super) fn cases() -> Vec<Case> {
             let highlight = Highlight { model, color: Spectrum::ONE, exponent, image: false };
             let shiny = Finish { highlight: Some(highlight), ..black };
             recipes.push(add(format!("{model:?} {exponent}"), shiny, AIR));
-            let reflect = Spectrum::splat(0.3);
-            let optics =
-                Optics::Mirror { reflect, grazing: reflect, roughness: 0.0, covers: false };
+            let reflect = Reflectance::constant(Spectrum::splat(0.3));
+            let optics = Optics::Mirror { reflect, roughness: 0.0, covers: false };
             let lit = Finish { optics, diffuse: Spectrum::splat(0.4), ..shiny };
             recipes.push(add(format!("lit {model:?} {exponent}"), lit, AIR));
             let optics = Optics::Shares {

@@ -22,7 +22,7 @@ use super::dielectric::Dielectric;
 use super::direct::Scratch;
 use super::lit::{LANES, lanes};
 use super::media::{Inside, Media, Medium};
-use super::optics::{facet_normal, schlick};
+use super::optics::facet_normal;
 use super::point::{Leg, Point};
 use super::record::record;
 use super::recorder::{RayKind, Recorder, Silent, Slot};
@@ -277,9 +277,9 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
         met.node = self.nodes.add(met.way, met.point.hit.t);
         match met.point.finish.optics {
             Optics::Opaque => {}
-            Optics::Mirror { reflect, grazing, covers, .. } => {
+            Optics::Mirror { reflect, covers, .. } => {
                 let point = &met.point;
-                let weight = schlick(reflect, grazing, -point.ray.direction.dot(met.facet));
+                let weight = reflect.at(-point.ray.direction.dot(met.facet));
                 let mut own = met.own;
                 if covers {
                     // Lacquer: what is mirrored never reaches the colour below.

@@ -80,11 +80,10 @@ fn check(finish: &Finish) -> Result<(), String> {
     let unit = |x: f64| (0.0..=1.0).contains(&x);
     match finish.optics {
         Optics::Opaque => Ok(()),
-        Optics::Mirror { reflect, grazing, roughness, covers } => {
-            ok(
-                within(reflect, 0.0, 1.0) && within(grazing, 0.0, 1.0) && unit(roughness),
-                "mirror",
-            )?;
+        Optics::Mirror { reflect, roughness, covers } => {
+            let all = [0.0, 0.3, 1.0].map(|cos| reflect.at(cos));
+            let shares = all.into_iter().chain([reflect.mean()]).all(|w| within(w, 0.0, 1.0));
+            ok(shares && unit(roughness), "mirror")?;
             ok(!covers || within(finish.diffuse, 0.0, 1.0), "a coat over more than everything")
         }
         Optics::Shares { own, ior, tint, absorption } => {

@@ -5,7 +5,7 @@ use dioptric_math::Spectrum;
 use dioptric_scene::{Args, Category, Default, Diagnostic, Param, Schema, Type};
 
 use super::shared::{BUMP, BUMP_HEIGHT, Glint, ROUGHNESS, SHARP_EXPONENT, bump, unit, unit_color};
-use super::{Bump, Finish, Material, Optics};
+use super::{Bump, Finish, Material, Optics, Reflectance};
 use crate::build::Builder;
 use crate::input::{ColorInput, NumberInput};
 use crate::pattern::PatternPoint;
@@ -69,7 +69,11 @@ impl Material for Mirror {
         Finish {
             base: reflect,
             highlight: self.glint.at(point, reflect, roughness),
-            optics: Optics::Mirror { reflect, grazing: reflect, roughness, covers: false },
+            optics: Optics::Mirror {
+                reflect: Reflectance::constant(reflect),
+                roughness,
+                covers: false,
+            },
             ..Finish::matte(Spectrum::ZERO)
         }
     }
@@ -92,7 +96,11 @@ mod tests {
         let reflect = Spectrum::new(0.5, 1.0, 1.0);
         assert_eq!(
             finish.optics,
-            Optics::Mirror { reflect, grazing: reflect, roughness: 0.0, covers: false }
+            Optics::Mirror {
+                reflect: Reflectance::constant(reflect),
+                roughness: 0.0,
+                covers: false
+            }
         );
         assert_eq!(
             (finish.ambient, finish.diffuse, finish.highlight),

@@ -10,6 +10,7 @@ use crate::pattern::PatternPoint;
 
 pub(crate) use highlight::{FAINTEST, whole};
 pub use highlight::{Highlight, HighlightModel};
+pub use reflectance::{Conductor, Reflectance};
 pub(crate) use shared::absorption;
 
 #[cfg(test)]
@@ -21,10 +22,12 @@ mod highlight;
 pub mod matte;
 pub mod metal;
 mod metal_data;
+mod metal_lanes;
 pub mod mirror;
 pub mod patched;
 pub mod phong;
 pub mod plastic;
+mod reflectance;
 mod shared;
 #[cfg(test)]
 pub(crate) mod testing;
@@ -34,13 +37,10 @@ pub(crate) mod testing;
 pub enum Optics {
     /// Nothing: only the own colour.
     Opaque,
-    /// `own + w * mirrored`, the weight w going from `reflect` to `grazing` by Schlick's curve; the
-    /// mirrored ray spread by `roughness` (0 is sharp).
+    /// `own + w * mirrored`; the mirrored ray spread by `roughness` (0 is sharp).
     Mirror {
-        /// Weight of the mirrored ray at normal incidence.
-        reflect: Spectrum,
-        /// Weight at grazing incidence, reached by Schlick's curve; equal to `reflect` for none.
-        grazing: Spectrum,
+        /// The weight w, by the angle.
+        reflect: Reflectance,
         /// Spread: the GGX alpha; 0 is a perfect mirror.
         roughness: f64,
         /// Whether the mirror lies over the own colour and takes from it what it reflects:

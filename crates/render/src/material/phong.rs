@@ -7,7 +7,7 @@ use dioptric_scene::{Args, Category, Default, Diagnostic, Param, Schema, Type};
 use super::shared::{
     AMBIENT, BUMP, BUMP_HEIGHT, EMISSION, Gloss, HIGHLIGHT_COLOR, MODEL, bump, unit,
 };
-use super::{Bump, Finish, Material, Optics};
+use super::{Bump, Finish, Material, Optics, Reflectance};
 use crate::build::Builder;
 use crate::input::{ColorInput, NumberInput};
 use crate::pattern::PatternPoint;
@@ -140,7 +140,7 @@ impl Material for Phong {
         let optics = if mirror == Spectrum::ZERO {
             Optics::Opaque
         } else {
-            Optics::Mirror { reflect: mirror, grazing: mirror, roughness: 0.0, covers: false }
+            Optics::Mirror { reflect: Reflectance::constant(mirror), roughness: 0.0, covers: false }
         };
         Finish { optics, ..self.lit.finish(point) }
     }
@@ -179,7 +179,11 @@ mod tests {
         let weight = Spectrum::splat(0.7);
         assert_eq!(
             finish.optics,
-            Optics::Mirror { reflect: weight, grazing: weight, roughness: 0.0, covers: false }
+            Optics::Mirror {
+                reflect: Reflectance::constant(weight),
+                roughness: 0.0,
+                covers: false
+            }
         );
         assert_eq!(finish.shadow_pass, Spectrum::ZERO);
     }

@@ -7,7 +7,7 @@ use dioptric_scene::{Args, Category, Default, Diagnostic, Param, Schema, Type};
 use super::shared::{
     AMBIENT, BUMP, BUMP_HEIGHT, Glint, ROUGHNESS, SHARP_EXPONENT, bump, unit, unit_color,
 };
-use super::{Bump, Finish, Material, Optics};
+use super::{Bump, Finish, Material, Optics, Reflectance};
 use crate::build::Builder;
 use crate::input::{ColorInput, NumberInput};
 use crate::pattern::PatternPoint;
@@ -87,8 +87,10 @@ impl Material for Plastic {
             ambient: color * unit(&self.ambient, point),
             highlight: self.glint.at(point, Spectrum::ONE, roughness),
             optics: Optics::Mirror {
-                reflect: Spectrum::splat(self.reflectance),
-                grazing: Spectrum::ONE,
+                reflect: Reflectance::Curve {
+                    normal: Spectrum::splat(self.reflectance),
+                    grazing: Spectrum::ONE,
+                },
                 roughness,
                 covers: true,
             },
@@ -111,9 +113,9 @@ mod tests {
     fn the_coat_mirrors_four_percent_and_covers_the_colour() {
         let red = build::<Plastic>(&[("color", Value::Vec3([5.0, 0.1, 0.0]))]).unwrap();
         let finish = red.finish(&point());
-        let Optics::Mirror { reflect, grazing, covers, .. } = finish.optics else { panic!() };
-        assert!((reflect - Spectrum::splat(0.04)).length() < 1e-15);
-        assert!(grazing == Spectrum::ONE && covers);
+        let Optics::Mirror { reflect, covers, .. } = finish.optics else { panic!() };
+        assert!((reflect.at(1.0) - Spectrum::splat(0.04)).length() < 1e-15);
+        assert!(reflect.at(0.0) == Spectrum::ONE && covers);
         // (1 - w) own + w mirrored is at most 1 for each w while own is.
         assert_eq!(finish.diffuse, Spectrum::new(1.0, 0.1, 0.0));
     }
@@ -122,7 +124,7 @@ mod tests {
     fn a_coat_of_index_1_is_none() {
         let bare = build::<Plastic>(&[("ior", Value::Number(1.0))]).unwrap();
         let Optics::Mirror { reflect, .. } = bare.finish(&point()).optics else { panic!() };
-        assert_eq!(reflect, Spectrum::ZERO);
+        assert_eq!(reflect.at(1.0), Spectrum::ZERO);
         assert!(build::<Plastic>(&[("ior", Value::Number(0.9))]).is_err());
     }
 }
