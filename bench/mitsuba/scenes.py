@@ -161,4 +161,31 @@ def coats():
     }
 
 
-SCENES = {f.__name__: f for f in (cornell, metals, frosted, sky, lamps, checker, coats)}
+def fog():
+    import mitsuba as mi
+
+    def inside(scattering, absorption, g):
+        total = [s + a for s, a in zip(scattering, absorption)]
+        return {
+            "bsdf": {"type": "null"},
+            "interior": {
+                "type": "homogeneous",
+                "sigma_t": rgb(*(t / max(total) for t in total)),
+                "scale": max(total),
+                "albedo": rgb(*(s / t for s, t in zip(scattering, total))),
+                "phase": {"type": "hg", "g": g},
+            },
+        }
+
+    t = mi.ScalarTransform4f()
+    block = t.translate([-0.05, -0.375, -0.15]) @ t.scale([0.75, 0.525, 0.65])
+    cloud = inside((8, 8, 8), (0, 0, 0), -0.2)
+    return room() | {
+        "integrator": {"type": "volpathmis", "max_depth": 12},
+        "block": {"type": "cube", "to_world": block} | inside((0.9, 1.2, 1.2), (0.1, 0.3, 0.8), 0.5),
+        "ball": ball((-0.2, -0.5, 0), 0.3, matte(0.75, 0.75, 0.75)),
+        "cloud": ball((0.35, 0.5, -0.3), 0.3, **cloud),
+    }
+
+
+SCENES = {f.__name__: f for f in (cornell, metals, frosted, sky, lamps, checker, coats, fog)}

@@ -17,7 +17,7 @@ use crate::camera::AnyCamera;
 use crate::integrator::media::Medium;
 use crate::integrator::recorder::SourcePlace;
 use crate::light::AnyLight;
-use crate::material::{AnyMaterial, Finish};
+use crate::material::{AnyMaterial, Finish, Interior};
 use crate::pattern::PatternPoint;
 use crate::setting::background::Background;
 use crate::setting::fog::Fog;
@@ -46,6 +46,8 @@ pub struct SceneMaterial {
     pub uniform: Option<Finish>,
     /// Whether it lets no light pass anywhere.
     pub opaque: bool,
+    /// What its inside does to light, besides absorbing it.
+    pub interior: Interior,
 }
 
 impl SceneMaterial {
@@ -57,7 +59,8 @@ impl SceneMaterial {
             Some(finish) => finish.shadow_pass == Spectrum::ZERO,
             None => material.is_opaque(),
         };
-        Self { material, uniform: answer, opaque }
+        let interior = material.interior();
+        Self { material, uniform: answer, opaque, interior }
     }
 }
 
@@ -97,6 +100,8 @@ pub struct Scene {
     pub fog: Option<Fog>,
     /// What fills the space between things.
     pub surroundings: Surroundings,
+    /// What insides of things do to paths of light; nothing for other integrators.
+    pub insides: Insides,
     /// The camera.
     pub camera: AnyCamera,
     /// The transparent objects that the camera is inside of, the innermost last.
@@ -107,6 +112,27 @@ pub struct Scene {
     pub settings: RenderSettings,
     /// From linear light to the picture's values.
     pub develop: Develop,
+}
+
+/// What any inside of a scene does to paths of light: what none does costs nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Insides {
+    /// Scatters.
+    pub scatter: bool,
+    /// Has a surface that does nothing.
+    pub borders: bool,
+}
+
+impl Insides {
+    /// Of a scene with these materials and this between things.
+    #[must_use]
+    pub fn of(materials: &[SceneMaterial], surroundings: &Surroundings) -> Self {
+        let any = |is: fn(&Interior) -> bool| materials.iter().any(|m| is(&m.interior));
+        Self {
+            scatter: surroundings.scattering.is_some() || any(|i| i.scattering.is_some()),
+            borders: any(|i| i.border),
+        }
+    }
 }
 
 /// A point to shade: its surface, and what its material answers there.
@@ -203,6 +229,21 @@ impl Scene {
                     .unwrap_or(surface.shading_normal);
         }
         Some((surface, point))
+    }
+
+    /// What its inside does to light, besides absorbing it.
+    #[must_use]
+    pub fn interior(&self, id: HitId) -> &Interior {
+        &self.materials[self.material_index(id)].interior
+    }
+
+    /// What light loses on its way through an object that absorbs so much: where things scatter, that too.
+    #[must_use]
+    pub fn extinction(&self, id: HitId, absorption: Spectrum) -> Spectrum {
+        if !self.insides.scatter {
+            return absorption;
+        }
+        absorption + self.interior(id).scattering.map_or(Spectrum::ZERO, |s| s.coefficient)
     }
 
     /// Whether a hit's material lets no light pass anywhere.

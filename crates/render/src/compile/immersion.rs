@@ -36,6 +36,7 @@ pub(super) fn around_camera(scene: &Scene) -> Vec<Medium> {
             Optics::Opaque | Optics::Mirror { .. } => continue,
         };
         ior = inner;
+        let absorption = scene.extinction(hit.id, absorption);
         around.push(Medium { object: hit.id, ior, absorption });
     }
     around

@@ -13,7 +13,7 @@ use dioptric_scene::{Args, Category, Description, Diagnostic, NodeId, Value};
 use crate::build::Builder;
 use crate::camera::AnyCamera;
 use crate::light::AnyLight;
-use crate::scene::{PlacedLight, Scene};
+use crate::scene::{Insides, PlacedLight, Scene};
 use crate::setting::background::Background;
 use crate::setting::develop;
 use crate::setting::medium::Surroundings;
@@ -108,12 +108,17 @@ pub fn compile(
         background,
         fog,
         surroundings,
+        insides: Insides::default(),
         camera,
         around_camera: Vec::new(),
         root,
         settings,
         develop,
     };
+    if scene.settings.integrator == Integrator::Path {
+        scene.insides = Insides::of(&scene.materials, &scene.surroundings);
+        scene.surroundings = scene.surroundings.for_paths(&scene.root);
+    }
     scene.around_camera = immersion::around_camera(&scene);
     if scene.settings.integrator == Integrator::Path {
         scene.sources = Sources::new(&scene);

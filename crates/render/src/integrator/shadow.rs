@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What lies between a point and a light, and how much of the light each thing lets pass.
 
-use dioptric_geometry::world::Hit;
+use dioptric_geometry::world::{Hit, Query};
+use dioptric_geometry::{Contacts, HitId, Ray, SurfacePoint};
 use dioptric_math::Spectrum;
 
 use super::media::absorbed;
@@ -9,12 +10,35 @@ use super::point::{Leg, touches};
 use crate::material::{Finish, Optics};
 use crate::scene::Scene;
 
+/// Where a way to a light begins.
+pub(super) struct Start<'a> {
+    pub ray: &'a Ray,
+    /// What it leaves; nothing in the midst of a medium.
+    pub from: Option<HitId>,
+    pub contacts: Contacts,
+}
+
+impl Start<'_> {
+    /// Whether a surface only touches the point that is left.
+    pub fn stays_off(&self, hit: &Hit, surface: &SurfacePoint) -> bool {
+        let own = self.from.is_some_and(|from| hit.id.same_object(&from));
+        !own && !self.contacts.crosses(&hit.id) && touches(self.ray, hit, surface)
+    }
+}
+
 impl Scene {
-    /// What of a light passes through all that lies before `distance`.
-    pub(super) fn tinted(&self, leg: &Leg, distance: f64) -> Spectrum {
-        let mut hits = Vec::new();
-        self.world.hits(&leg.ray, distance, Some(&leg.departure), &mut hits);
-        self.tinted_by(leg, distance, hits.iter())
+    /// What of a light passes through all that lies in the way of a question.
+    pub(super) fn tinted(&self, query: &Query) -> Spectrum {
+        let (mut hits, departure) = (Vec::new(), query.departure());
+        self.world.hits(&query.ray, query.t_max, departure.as_ref(), &mut hits);
+        let mut passed = Spectrum::ONE;
+        let start =
+            Start { ray: &query.ray, from: departure.map(|d| d.from), contacts: query.contacts() };
+        self.passages_from(&start, query.t_max, hits.iter(), |_, factor| {
+            passed *= factor;
+            passed != Spectrum::ZERO
+        });
+        passed
     }
 
     /// The same where the passages are known: those of [`World::hits`].
@@ -45,13 +69,24 @@ impl Scene {
         leg: &Leg,
         distance: f64,
         hits: impl Iterator<Item = &'a Hit> + Clone,
+        each: impl FnMut(&Hit, Spectrum) -> bool,
+    ) {
+        let from = Some(leg.departure.from);
+        let start = Start { ray: &leg.ray, from, contacts: leg.contacts };
+        self.passages_from(&start, distance, hits, each);
+    }
+
+    fn passages_from<'a>(
+        &self,
+        start: &Start,
+        distance: f64,
+        hits: impl Iterator<Item = &'a Hit> + Clone,
         mut each: impl FnMut(&Hit, Spectrum) -> bool,
     ) {
-        let ray = &leg.ray;
+        let ray = start.ray;
         for (i, hit) in hits.clone().enumerate().filter(|(_, h)| h.t < distance) {
             let Some(shading) = self.shading(ray, hit) else { continue };
-            let own = hit.id.same_object(&leg.departure.from);
-            if !own && !leg.contacts.crosses(&hit.id) && touches(ray, hit, &shading.surface) {
+            if start.stays_off(hit, &shading.surface) {
                 continue;
             }
             let finish = &shading.finish;
@@ -65,7 +100,7 @@ impl Scene {
                 // The way out costs nothing more, unless it is through another part, which is opaque.
                 let counted = entry.is_some() && finish.shadow_pass != Spectrum::ZERO;
                 let surface = if counted { Spectrum::ONE } else { finish.shadow_pass };
-                surface * self.absorbed_inside(finish, hit.t - entry.map_or(0.0, |h| h.t))
+                surface * self.absorbed_inside(hit.id, finish, hit.t - entry.map_or(0.0, |h| h.t))
             };
             if !each(hit, passed) {
                 break;
@@ -74,10 +109,10 @@ impl Scene {
     }
 
     /// What a way inside of an object leaves of light, `t` in the space of rays.
-    fn absorbed_inside(&self, finish: &Finish, t: f64) -> Spectrum {
+    fn absorbed_inside(&self, id: HitId, finish: &Finish, t: f64) -> Spectrum {
         match finish.optics {
             Optics::Shares { absorption, .. } | Optics::Dielectric { absorption, .. } => {
-                absorbed(absorption, t / self.root.scale())
+                absorbed(self.extinction(id, absorption), t / self.root.scale())
             }
             Optics::Opaque | Optics::Mirror { .. } => Spectrum::ONE,
         }

@@ -63,6 +63,11 @@ static SCHEMA: Schema = Schema {
 };
 
 impl Spot {
+    /// Its axis, and the cosine of the widest angle to it that it lights.
+    pub(crate) const fn cone(&self) -> (DVec3, f64) {
+        (self.axis, self.cos_outer)
+    }
+
     /// The share of full strength at an angle to the axis, given by its cosine.
     fn share(&self, cos: f64) -> f64 {
         if self.cos_inner <= self.cos_outer {

@@ -4,6 +4,7 @@
 use dioptric_math::Spectrum;
 use dioptric_scene::{Args, Category, Default, Diagnostic, Param, Schema, Type};
 
+use super::interior::{ANISOTROPY, Interior, SCATTERING, Scattering};
 use super::shared::{
     ABSORPTION, BUMP, BUMP_HEIGHT, Glint, ROUGHNESS, SHADOW, SHARP_EXPONENT, absorption, bump,
     shadow_pass, unit, unit_color,
@@ -20,6 +21,7 @@ pub struct Glass {
     reflection: ColorInput,
     ior: f64,
     absorption: Spectrum,
+    scattering: Option<Scattering>,
     roughness: NumberInput,
     glint: Glint,
     shadow: Option<f64>,
@@ -40,7 +42,9 @@ static SCHEMA: Schema = Schema {
           absorbed but not bent: bright caustics are not found.\n\n\
           In paths rough glass is made of facets (GGX; Walter et al., \"Microfacet Models for Refraction through\n\
           Rough Surfaces\", EGSR 2007) that also send light to each other, so that roughness takes none away;\n\
-          shadows and mirror images of lights are what paths find, without `shadow` and `specular`.",
+          shadows and mirror images of lights are what paths find, without `shadow` and `specular`. With `scattering` it
+\
+          is murky inside: milk, jade, muddy water.",
     params: &[
         Param::new(
             "color",
@@ -55,6 +59,8 @@ static SCHEMA: Schema = Schema {
             "Index of refraction.",
         ),
         ABSORPTION,
+        SCATTERING,
+        ANISOTROPY,
         ROUGHNESS,
         Param::new(
             "reflection",
@@ -85,6 +91,7 @@ impl Material for Glass {
             reflection: builder.color(args, "reflection")?,
             ior: args.number("ior")?,
             absorption: absorption(args)?,
+            scattering: Scattering::from_args(args)?,
             roughness: builder.number(args, "roughness")?,
             glint: Glint::from_args(args, builder)?,
             shadow: args.optional_number("shadow")?,
@@ -115,6 +122,10 @@ impl Material for Glass {
 
     fn is_opaque(&self) -> bool {
         false
+    }
+
+    fn interior(&self) -> Interior {
+        Interior { scattering: self.scattering, ..Interior::PLAIN }
     }
 
     fn bump(&self) -> Option<&Bump> {

@@ -10,6 +10,8 @@ use crate::pattern::PatternPoint;
 
 pub(crate) use highlight::{FAINTEST, whole};
 pub use highlight::{Highlight, HighlightModel};
+pub(crate) use interior::{ANISOTROPY, SCATTERING};
+pub use interior::{Interior, Scattering};
 pub use reflectance::{Conductor, Reflectance};
 pub(crate) use shared::absorption;
 
@@ -19,6 +21,7 @@ pub mod clear;
 pub mod glass;
 pub mod glow;
 mod highlight;
+mod interior;
 pub mod matte;
 pub mod metal;
 mod metal_data;
@@ -31,6 +34,7 @@ mod reflectance;
 mod shared;
 #[cfg(test)]
 pub(crate) mod testing;
+pub mod volume;
 
 /// What is seen in or through a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -154,6 +158,11 @@ pub trait Material: Sized {
     fn may_shine(&self) -> bool {
         false
     }
+
+    /// What its inside does to light, besides absorbing it.
+    fn interior(&self) -> Interior {
+        Interior::PLAIN
+    }
 }
 
 macro_rules! registry {
@@ -198,6 +207,12 @@ macro_rules! registry {
                 match self { $(Self::$variant(m) => m.may_shine(),)* }
             }
 
+            /// See [`Material::interior`].
+            #[must_use]
+            pub fn interior(&self) -> Interior {
+                match self { $(Self::$variant(m) => m.interior(),)* }
+            }
+
             /// See [`Material::bump`].
             #[must_use]
             pub fn bump(&self) -> Option<&Bump> {
@@ -217,4 +232,5 @@ registry! {
     Plastic(plastic::Plastic),
     Glow(glow::Glow),
     Patched(patched::Patched),
+    Volume(volume::Volume),
 }

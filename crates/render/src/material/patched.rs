@@ -4,7 +4,7 @@
 use dioptric_scene::{Args, Category, Default, Diagnostic, Param, Schema, Type};
 
 use super::shared::{BUMP, BUMP_HEIGHT, bump};
-use super::{AnyMaterial, Bump, Finish, Material};
+use super::{AnyMaterial, Bump, Finish, Interior, Material};
 use crate::build::Builder;
 use crate::input::NumberInput;
 use crate::pattern::PatternPoint;
@@ -26,7 +26,7 @@ static SCHEMA: Schema = Schema {
     doc: "Is `second` where the pattern `mask` is at least `threshold`, else `first`; a checker of 0 and 1 makes\n\
           tiles of two materials. Each point has one of the two, so that they may differ in everything: to blend\n\
           colours use a pattern as the `color` of one material. Bump maps of the two are not used: this has its\n\
-          own.",
+          own. Where paths are scattered inside, both must say so alike.",
     params: &[
         Param::required("first", Type::Node(Category::Material), "Where the mask is low."),
         Param::required("second", Type::Node(Category::Material), "Where the mask is high."),
@@ -81,6 +81,12 @@ impl Material for Patched {
 
     fn may_shine(&self) -> bool {
         self.first.may_shine() || self.second.may_shine()
+    }
+
+    fn interior(&self) -> Interior {
+        // One object has one inside.
+        let first = self.first.interior();
+        if first == self.second.interior() { first } else { Interior::PLAIN }
     }
 
     fn bump(&self) -> Option<&Bump> {

@@ -122,16 +122,19 @@ pub(super) fn unit_color(input: &ColorInput, point: &PatternPoint) -> Spectrum {
 
 /// The coefficients of [`ABSORPTION`].
 pub(crate) fn absorption(args: &Args) -> Result<Spectrum, Diagnostic> {
-    let coefficients = Spectrum::from(args.vec3("absorption")?);
+    coefficients(args, "absorption", "fades")
+}
+
+/// What happens to each of red, green and blue per unit of length: at least 0.
+pub(crate) fn coefficients(args: &Args, name: &str, verb: &str) -> Result<Spectrum, Diagnostic> {
+    let coefficients = Spectrum::from(args.vec3(name)?);
     if coefficients.min_element() < 0.0 {
         let kind = args.node().schema.kind;
         return Err(args
-            .error(
-                "absorption",
-                "wrong-value",
-                format!("absorption of {kind}: expected numbers of at least 0"),
-            )
-            .help("write how strongly each of red, green and blue fades per unit of length"));
+            .error(name, "wrong-value", format!("{name} of {kind}: expected numbers of at least 0"))
+            .help(format!(
+                "write how strongly each of red, green and blue {verb} per unit of length"
+            )));
     }
     Ok(coefficients)
 }

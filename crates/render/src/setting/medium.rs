@@ -5,6 +5,7 @@ use dioptric_math::{Spectrum, exp};
 use dioptric_scene::{Args, Category, Default, Diagnostic, Param, Schema, Type};
 
 use super::root::Root;
+use crate::material::{ANISOTROPY, SCATTERING, Scattering};
 
 /// The schema of `medium`.
 pub static SCHEMA: Schema = Schema {
@@ -16,7 +17,10 @@ pub static SCHEMA: Schema = Schema {
           distance d is multiplied by exp(-absorption d) (Beer and Lambert); (0.45, 0.07, 0.02) is about that of\n\
           clear sea water per metre. Without this setting there is nothing: index 1, no absorption. Materials\n\
           of fixed shares (`clear`) give their index relative to what is around them, so that it does not change\n\
-          them.",
+          them.\n\n\
+          With `scattering` paths of light (`integrator = \"path\"`) see fog: lamps have halos and throw shafts. It has no end,\n\
+          so that nothing of a sky or of a `directional` light comes through it: a box or a ball of `volume` around\n\
+          the scene does end. Whitted's pictures do not scatter; `fog` fades there what is far.",
     params: &[
         Param::new(
             "ior",
@@ -30,6 +34,8 @@ pub static SCHEMA: Schema = Schema {
             Default::Number(0.0),
             "How strongly light fades, per unit of length; one number, or three for red, green and blue.",
         ),
+        SCATTERING,
+        ANISOTROPY,
     ],
     example: "medium(ior = 1.33, absorption = (0.16, 0.04, 0.01))\n\
               sphere(center = (0, 1, 0), radius = 1, material = glass(ior = 1))",
@@ -42,14 +48,16 @@ pub struct Surroundings {
     pub ior: f64,
     /// Absorbed per unit of the file's length, per lane.
     pub absorption: Spectrum,
-    /// The same per unit of the space of rays.
-    absorption_in_rays: Spectrum,
+    /// How it scatters.
+    pub scattering: Option<Scattering>,
+    /// What light loses per unit of the space of rays.
+    extinction: Spectrum,
 }
 
 impl Surroundings {
     /// Nothing: index 1, no absorption.
     pub const EMPTY: Self =
-        Self { ior: 1.0, absorption: Spectrum::ZERO, absorption_in_rays: Spectrum::ZERO };
+        Self { ior: 1.0, absorption: Spectrum::ZERO, scattering: None, extinction: Spectrum::ZERO };
 
     /// The medium that a node describes.
     ///
@@ -60,19 +68,33 @@ impl Surroundings {
         Ok(Self {
             ior: args.number("ior")?,
             absorption,
-            absorption_in_rays: absorption / root.scale(),
+            scattering: Scattering::from_args(args)?,
+            extinction: absorption / root.scale(),
         })
+    }
+
+    /// The same where paths lose what is scattered, too.
+    #[must_use]
+    pub fn for_paths(self, root: &Root) -> Self {
+        let scattered = self.scattering.map_or(Spectrum::ZERO, |s| s.coefficient);
+        Self { extinction: (self.absorption + scattered) / root.scale(), ..self }
+    }
+
+    /// What light loses per unit of the space of rays.
+    #[must_use]
+    pub const fn extinction(&self) -> Spectrum {
+        self.extinction
     }
 
     /// The share of light that is left after a distance in the space of rays; it may be infinite.
     #[must_use]
     pub fn transmittance(&self, distance: f64) -> Spectrum {
-        if self.absorption_in_rays == Spectrum::ZERO {
+        if self.extinction == Spectrum::ZERO {
             return Spectrum::ONE;
         }
         // A lane without absorption stays 1 at an infinite distance: 0 times infinity is no number.
         let lane = |a: f64| if a > 0.0 { exp(-a * distance) } else { 1.0 };
-        Spectrum::from(self.absorption_in_rays.to_array().map(lane))
+        Spectrum::from(self.extinction.to_array().map(lane))
     }
 }
 

@@ -11,6 +11,7 @@ mod build;
 mod choice;
 mod emitter;
 mod faces;
+mod foci;
 mod patch;
 mod ring;
 mod sky;
@@ -27,6 +28,7 @@ use crate::material::{Finish, Optics};
 use crate::scene::Scene;
 use choice::Choice;
 use emitter::{Emitter, Lamp};
+pub use foci::{Aims, Foci};
 use patch::Met;
 use sky::Sky;
 
@@ -65,6 +67,7 @@ pub struct Sources {
     sky: Option<u32>,
     /// The lights that have a size.
     sized: Vec<u32>,
+    foci: Foci,
 }
 
 /// A source by its place in the scene.
@@ -131,6 +134,9 @@ impl Sources {
             this.objects.resize(object as usize, Shining::Not);
             this.objects.push(shining);
         }
+        if scene.insides.scatter {
+            this.foci = Foci::new(emitters.iter());
+        }
         this.choice = Choice::new(emitters);
         this
     }
@@ -151,6 +157,12 @@ impl Sources {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.sources.is_empty()
+    }
+
+    /// The sources near which a medium gets much light; none in scenes where nothing scatters.
+    #[must_use]
+    pub const fn foci(&self) -> &Foci {
+        &self.foci
     }
 
     /// A source picked by `pick`, and a direction of it by `u`, all uniform in `[0, 1)`. Nothing where that

@@ -12,8 +12,10 @@
 //!
 //! What differs from Whitted's meaning of a scene stands in the manual, `path.md`.
 
+mod phase;
 mod tell;
 mod vertex;
+mod volume;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -22,7 +24,6 @@ use dioptric_geometry::{Contacts, HitId, Ray};
 use dioptric_math::{DVec3, Spectrum};
 
 use super::media::{Inside, Media};
-use super::point::Leg;
 use super::recorder::{RayKind, Recorder};
 use super::resolve::Spare;
 use crate::bsdf::Bsdf;
@@ -63,6 +64,9 @@ struct Path<I> {
     inside: Inside,
     /// Bounces so far.
     depth: u32,
+    /// How far its line has come, through borders that do nothing, before its ray begins; and through how many.
+    walked: f64,
+    borders: u32,
     stream: Stream,
     trail: Trail,
 }
@@ -74,6 +78,8 @@ struct Task<I> {
     value: Spectrum,
     /// Whether only this question can find the source.
     sharp: bool,
+    /// What is around the point that asks.
+    inside: Inside,
 }
 
 /// Memory that the rounds of a batch use again.
@@ -147,6 +153,8 @@ impl<'a, 'r, R: Recorder> Paths<'a, 'r, R> {
             squeezed: 1.0,
             inside,
             depth: 0,
+            walked: 0.0,
+            borders: 0,
             stream,
             trail: Trail::default(),
         });
@@ -170,7 +178,9 @@ impl<'a, 'r, R: Recorder> Paths<'a, 'r, R> {
         self.cast_shadows(round);
         for (sample, id) in round.ended.drain(..) {
             let radiance = &mut self.radiances[sample as usize];
-            radiance.alpha = if radiance.first.object == FirstHit::NOTHING { 0.0 } else { 1.0 };
+            if radiance.first.object != FirstHit::NOTHING {
+                radiance.alpha = 1.0;
+            }
             self.recorder.end(id, Spectrum::ONE, radiance.color);
         }
         round.paths.truncate(kept);
@@ -182,17 +192,13 @@ impl<'a, 'r, R: Recorder> Paths<'a, 'r, R> {
         let scene = self.scene;
         self.counts.shadow += round.shadows.len() as u64;
         scene.world.blocker_each(&round.shadows, &mut round.blockers);
-        let shadows = scene.settings.shadows;
         let asked = round.tasks.iter().zip(&round.shadows).zip(&round.blockers);
         for (i, ((task, query), blocker)) in asked.enumerate() {
             let visible = match blocker {
+                _ if scene.insides.borders => self.through_borders(query, task.inside, task.sharp),
                 None => Spectrum::ONE,
-                Some(_) if !task.sharp || shadows == Shadows::Opaque => Spectrum::ZERO,
-                Some(_) if shadows == Shadows::None => Spectrum::ONE,
-                Some(id) if scene.is_opaque(*id) => Spectrum::ZERO,
-                Some(_) => {
-                    Leg::of(query).map_or(Spectrum::ONE, |leg| scene.tinted(&leg, query.t_max))
-                }
+                Some(_) if !task.sharp => Spectrum::ZERO,
+                Some(id) => self.shadowed(query, id),
             };
             let value = task.value * visible;
             if visible != Spectrum::ZERO {
@@ -207,6 +213,16 @@ impl<'a, 'r, R: Recorder> Paths<'a, 'r, R> {
         round.shadows.clear();
         round.tasks.clear();
         round.told.clear();
+    }
+
+    /// What the scene lets through of a sharp light that something hides.
+    fn shadowed(&self, query: &Query, blocker: &HitId) -> Spectrum {
+        match self.scene.settings.shadows {
+            Shadows::Opaque => Spectrum::ZERO,
+            Shadows::None => Spectrum::ONE,
+            Shadows::Tinted if self.scene.is_opaque(*blocker) => Spectrum::ZERO,
+            Shadows::Tinted => self.scene.tinted(query),
+        }
     }
 
     /// What is left of light over a distance, by what the path is in.

@@ -2,7 +2,8 @@
 //! What `why` is told of a path's contributions.
 //!
 //! A contribution has a path class in Heckbert's notation ("Adaptive Radiosity Textures for Bidirectional Ray Tracing",
-//! SIGGRAPH 1990): from the light L over surfaces that scatter (D) or are sharp (S) to the eye E.
+//! SIGGRAPH 1990): from the light L over surfaces that scatter (D) or are sharp (S), and media that scatter (V), to the
+//! eye E.
 
 use dioptric_geometry::HitId;
 use dioptric_math::Spectrum;
@@ -14,6 +15,8 @@ use crate::scene::Scene;
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Trail {
     sharp: u64,
+    /// The same: 1 where it was no surface but a medium.
+    volume: u64,
     count: u32,
 }
 
@@ -21,13 +24,24 @@ impl Trail {
     /// One surface more.
     pub fn then(self, sharp: bool) -> Self {
         let bit = if sharp && self.count < u64::BITS { 1 << self.count } else { 0 };
-        Self { sharp: self.sharp | bit, count: self.count + 1 }
+        Self { sharp: self.sharp | bit, count: self.count + 1, ..self }
+    }
+
+    /// One turn in a medium more.
+    pub fn then_volume(self) -> Self {
+        let bit = if self.count < u64::BITS { 1 << self.count } else { 0 };
+        Self { volume: self.volume | bit, count: self.count + 1, ..self }
     }
 
     /// The class of light that arrives by this trail: `LDSE` is scattered first, then mirrored to the eye. What lies
     /// more than 64 surfaces away is written as scattering.
     pub fn class(self) -> String {
-        let letter = |i: u32| if i < u64::BITS && self.sharp >> i & 1 == 1 { 'S' } else { 'D' };
+        let letter = |i: u32| match i {
+            _ if i >= u64::BITS => 'D',
+            _ if self.sharp >> i & 1 == 1 => 'S',
+            _ if self.volume >> i & 1 == 1 => 'V',
+            _ => 'D',
+        };
         let surfaces = (0..self.count).rev().map(letter);
         std::iter::once('L').chain(surfaces).chain(std::iter::once('E')).collect()
     }
@@ -115,6 +129,7 @@ mod tests {
         let trail = Trail::default();
         assert_eq!(trail.class(), "LE");
         assert_eq!(trail.then(true).then(false).class(), "LDSE");
+        assert_eq!(trail.then_volume().then(true).then_volume().class(), "LVSVE");
         let long = (0..70).fold(trail, |trail, _| trail.then(true));
         assert_eq!(long.class(), format!("L{}{}E", "D".repeat(6), "S".repeat(64)));
     }

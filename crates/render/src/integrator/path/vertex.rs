@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! One step of a path: what its ray brings, what the surface there gets from a source, and where the path goes on.
 
+use dioptric_geometry::Ray;
 use dioptric_geometry::world::{Hit, Query};
 use dioptric_math::{DVec3, Spectrum, orthonormal_basis};
 use serde_json::{Value, json};
 
 use super::tell::{Told, What};
+use super::volume::Way;
 use super::{Path, Paths, Round, Task};
 use crate::bsdf::{self, Bsdf, BsdfSample};
 use crate::integrator::media::{Medium, Sides};
@@ -14,6 +16,7 @@ use crate::integrator::record::record;
 use crate::integrator::recorder::Recorder;
 use crate::integrator::resolve::resolve;
 use crate::material::Optics;
+use crate::sampling::stream::Stream;
 use crate::scene::{Answer, Scene};
 use crate::setting::render::LightSampling;
 use crate::source::shining;
@@ -83,7 +86,7 @@ fn share_of_path(how: LightSampling, path: f64, question: impl FnOnce() -> f64) 
 }
 
 /// The same for light that a question has found. Sharp lights are found by nothing else.
-fn share_of_question(how: LightSampling, question: f64, path: f64) -> f64 {
+pub(super) fn share_of_question(how: LightSampling, question: f64, path: f64) -> f64 {
     if question == f64::INFINITY {
         return 1.0;
     }
@@ -91,6 +94,28 @@ fn share_of_question(how: LightSampling, question: f64, path: f64) -> f64 {
         LightSampling::Both => share(question, path),
         LightSampling::Lights => 1.0,
         LightSampling::Surfaces => 0.0,
+    }
+}
+
+/// Whether a path goes on that carries little: the chance of that, which its throughput is divided by.
+pub(super) fn carries_on<I>(next: &mut Path<I>, stream: &mut Stream) -> Option<f64> {
+    if next.depth <= SURE {
+        return Some(1.0);
+    }
+    let [chance, _] = stream.next_2d();
+    let goes_on = (next.throughput.max_element() / next.squeezed).min(MOST);
+    if chance >= goes_on {
+        return None;
+    }
+    next.throughput /= goes_on;
+    Some(goes_on)
+}
+
+impl<I> Path<I> {
+    /// Where its line began: with its ray, but for borders that do nothing.
+    fn from(&self, query: &Query) -> DVec3 {
+        let Ray { origin, direction, .. } = query.ray;
+        if self.walked == 0.0 { origin } else { origin - direction * self.walked }
     }
 }
 
@@ -117,26 +142,48 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
             )
         });
         let t = found.as_ref().map_or(f64::INFINITY, |(hit, _)| hit.t);
+        let way = if scene.insides.scatter {
+            self.scatter_inside(&mut path, query, t, round)
+        } else {
+            Way::CLEAR
+        };
         self.pass_lights(&path, query, t);
         self.cross_space(&mut path, t);
         let Some((hit, shading)) = found else {
-            self.recorder.note(path.id, "ended", || json!("outside of the scene"));
             self.see_sky(&path, query);
+            if way.through.is_none() {
+                return way.turned;
+            }
+            self.recorder.note(path.id, "ended", || json!("outside of the scene"));
             return None;
         };
         let point = Point::new(&query.ray, hit, shading, query.departure().as_ref());
+        if scene.insides.borders && scene.interior(point.hit.id).border {
+            let Some(chance) = way.through else { return way.turned };
+            path.throughput /= chance;
+            return self.cross_border(&path, &point);
+        }
         if path.depth == 0 {
-            self.radiances[path.sample as usize].first = point.first_hit(scene);
+            let mut first = point.first_hit(scene);
+            first.depth += path.walked;
+            self.radiances[path.sample as usize].first = first;
             let medium = self.media.top(path.inside);
-            self.recorder.hit(path.id, || record(scene, &point, 0, medium));
+            self.recorder.hit(path.id, || {
+                let mut told = record(scene, &point, 0, medium);
+                told.t += path.walked;
+                told
+            });
         }
         let vertex = self.vertex(&path, point, bsdf);
         self.see_glow(&path, query, &vertex);
         // The ray after the last bounce brings only what shines by itself: the other half of direct light.
-        let next = if path.depth > scene.settings.bounces {
+        let next = if way.through.is_none() {
+            way.turned
+        } else if path.depth > scene.settings.bounces {
             self.recorder.note(path.id, "ended", || json!("at the limit of bounces"));
             None
         } else {
+            path.throughput /= way.through.unwrap_or(1.0);
             self.scatter(&path, &vertex, round)
         };
         if let Answer::Here(answer) = vertex.point.finish {
@@ -152,12 +199,22 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
             return;
         }
         let scene = self.scene;
-        scene.sources.passed(&query.ray, path.normal, t, |source, distance, radiance, density| {
-            let weight = share_of_path(scene.settings.light_sampling, path.density, || density);
-            let clear = self.transmittance(path.inside, distance);
-            let value = path.throughput * clear * radiance * weight;
-            self.add(path, value, || Told::seen(What::Light(source), path.trail, weight));
-        });
+        let walked = path.walked;
+        let ray = Ray { origin: path.from(query), ..query.ray };
+        scene.sources.passed(
+            &ray,
+            path.normal,
+            walked + t,
+            |source, distance, radiance, density| {
+                if distance < walked {
+                    return;
+                }
+                let weight = share_of_path(scene.settings.light_sampling, path.density, || density);
+                let clear = self.transmittance(path.inside, distance - walked);
+                let value = path.throughput * clear * radiance * weight;
+                self.add(path, value, || Told::seen(What::Light(source), path.trail, weight));
+            },
+        );
     }
 
     /// The way to what the ray met.
@@ -176,7 +233,7 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
         if radiance == Spectrum::ZERO {
             return;
         }
-        let (from, direction) = (query.ray.origin, query.ray.direction);
+        let (from, direction) = (path.from(query), query.ray.direction);
         let weight = share_of_path(scene.settings.light_sampling, path.density, || {
             scene.sources.density_of_sky(from, path.normal, direction)
         });
@@ -197,7 +254,7 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
         let weight = share_of_path(scene.settings.light_sampling, path.density, || {
             scene.sources.density_of_hit(
                 scene,
-                ray.origin,
+                path.from(query),
                 path.normal,
                 &point.hit,
                 &point.surface,
@@ -276,6 +333,7 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
             normal: vertex.light_side(),
             depth: path.depth + 1,
             trail: path.trail.then(sharp),
+            walked: 0.0,
             ..*path
         };
         let leg = if through {
@@ -290,17 +348,11 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
             next.inside = vertex.sides.near;
             vertex.point.back(direction)
         };
-        let mut goes_on = 1.0;
-        if next.depth > SURE {
-            let [chance, _] = stream.next_2d();
-            goes_on = (next.throughput.max_element() / next.squeezed).min(MOST);
-            if chance >= goes_on {
-                self.recorder.also(path.id, "bounces", || vertex.told(scene, path.depth));
-                self.recorder.note(path.id, "ended", || json!("by chance: it carried too little"));
-                return None;
-            }
-            next.throughput /= goes_on;
-        }
+        let Some(goes_on) = carries_on(&mut next, &mut stream) else {
+            self.recorder.also(path.id, "bounces", || vertex.told(scene, path.depth));
+            self.recorder.note(path.id, "ended", || json!("by chance: it carried too little"));
+            return None;
+        };
         self.recorder.also(path.id, "bounces", || {
             let how = match (through, sharp) {
                 (false, true) => "mirrors",
@@ -349,7 +401,7 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
             return;
         }
         let inside = if front { vertex.sides.near } else { vertex.sides.far };
-        let clear = self.transmittance(inside, source.distance);
+        let clear = self.clear_to_source(inside, source.distance);
         let value = path.throughput * scattered * source.value * clear * weight;
         if !(value.max_element() > 0.0 && value.is_finite()) {
             return;
@@ -364,7 +416,7 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
         let value = self.clamped(path.depth + 1, value);
         round.shadows.push(query);
         let sharp = source.pdf == f64::INFINITY;
-        round.tasks.push(Task { sample: path.sample, id: path.id, value, sharp });
+        round.tasks.push(Task { sample: path.sample, id: path.id, value, sharp, inside });
         if R::ENABLED {
             let told =
                 Told::asked(What::Light(source.source), path.trail.then(false), weight, value);
