@@ -107,7 +107,8 @@ static void trace(char** words) {
         if (i > 0) speeds.push_back(double(rays.size()) / (now() - start) / 1e6);
     }
     std::sort(speeds.begin(), speeds.end());
-    printf("median %.2f Mrays/s (%.2f .. %.2f)\n", speeds[speeds.size() / 2], speeds.front(), speeds.back());
+    const double median = (speeds[speeds.size() / 2] + speeds[(speeds.size() - 1) / 2]) / 2;
+    printf("median %.2f Mrays/s (%.2f .. %.2f)\n", median, speeds.front(), speeds.back());
     write_array(words[5], out);
 }
 

@@ -72,3 +72,37 @@ impl Bounds {
         })
     }
 }
+
+/// The mean of the middles of boxes: near to most of them, wherever a huge one among them has its own.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Middle {
+    sum: DVec3,
+    count: f64,
+}
+
+impl Middle {
+    /// Of no boxes.
+    pub const NONE: Self = Self { sum: DVec3::ZERO, count: 0.0 };
+
+    /// Adds a box that is finite and not empty.
+    #[inline]
+    pub fn add(&mut self, b: &Bounds) {
+        self.sum += b.center();
+        self.count += 1.0;
+    }
+
+    /// Adds the sums of what follows.
+    pub fn and(self, other: Self) -> Self {
+        Self { sum: self.sum + other.sum, count: self.count + other.count }
+    }
+
+    /// The mean, for boxes within `bounds`; 0 without any.
+    pub fn of(&self, bounds: &Bounds) -> DVec3 {
+        let mean = self.sum / self.count;
+        match bounds.is_empty() {
+            true => DVec3::ZERO,
+            false if mean.is_finite() => mean,
+            false => bounds.center(),
+        }
+    }
+}

@@ -116,6 +116,32 @@ fn no_box_is_left_out() {
     }
 }
 
+/// Boxes that are entered on the way of rays past a thousand points.
+fn tested(boxes: &[Bounds], center: DVec3) -> u64 {
+    let (bvh, _) = Bvh::build(boxes.iter().copied(), center);
+    let (mut random, mut count) = (Random::new(4), Count::default());
+    for _ in 0..1000 {
+        let (origin, target) = (vector(&mut random, 2.0), vector(&mut random, 1.0));
+        let ray = BoxRay::new(origin, target - origin, &bvh, 0.0);
+        bvh.visit(&ray, f64::INFINITY, &mut count, |range, t_max, counter| {
+            counter.shapes += range.len() as u64;
+            Some(t_max)
+        });
+    }
+    count.boxes + count.shapes
+}
+
+#[test]
+fn a_huge_box_does_not_make_tiny_ones_larger() {
+    let mut random = Random::new(80);
+    let mut boxes: Vec<_> = (0..20_000).map(|_| cube(vector(&mut random, 1.0), 1e-3)).collect();
+    let without = tested(&boxes, DVec3::ZERO);
+    boxes.push(cube(DVec3::ZERO, 1e9));
+    let with = tested(&boxes, DVec3::ZERO);
+    // Its own box, and a node at the top more.
+    assert!(with < without + without / 4 + 20 * 1000, "{without} {with}");
+}
+
 #[test]
 fn degenerate_boxes_make_a_tree_too() {
     let mut random = Random::new(78);

@@ -303,6 +303,35 @@ fn degenerate_meshes_by_the_hundred_thousand() {
 }
 
 #[test]
+fn tiny_triangles_around_a_huge_one() {
+    let mut random = Random::new(15);
+    let mut data = MeshData {
+        positions: vec![[-1e9, -1e9, 0.25], [1e9, -1e9, 0.25], [0.0, 1e9, 0.25]],
+        triangles: vec![[0, 1, 2]],
+        ..MeshData::default()
+    };
+    for i in 1..2000 {
+        let a = vector(&mut random, 1.0);
+        data.positions.extend([a, a + DVec3::X * 1e-2, a + vector(&mut random, 1e-2)].map(single));
+        data.triangles.push([3 * i, 3 * i + 1, 3 * i + 2]);
+    }
+    let (alone, mesh) = (alone(&data), Mesh::new(data));
+    let mut tiny = 0;
+    for i in 0..300 {
+        let part = random.bits() as usize % alone.len();
+        let [a, b, c] = [0, 1, 2].map(|corner| mesh.data().positions[3 * part + corner]);
+        let [a, b, c] = [a, b, c].map(|p| DVec3::from(p.map(f64::from)));
+        let target = if i % 2 == 0 { a } else { (a + b + c) / 3.0 };
+        let origin = target + vector(&mut random, if i % 3 == 0 { 1e5 } else { 0.1 });
+        let ray = ray(origin, target - origin);
+        let hit = mesh.intersect(&ray);
+        assert_eq!(hit, one_by_one(&alone, &ray), "{i}");
+        tiny += u32::from(hit.is_some_and(|hit| hit.part > 0));
+    }
+    assert!(tiny > 50, "{tiny}");
+}
+
+#[test]
 fn normals_and_coordinates_are_interpolated() {
     let data = MeshData {
         positions: vec![[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]],

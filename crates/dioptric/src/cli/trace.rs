@@ -56,7 +56,7 @@ pub struct TraceArgs {
     /// Threads that work; the hits are the same for any number.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
-    /// Casts all rays so many times, for the median of the times.
+    /// Casts all rays so many times, for the median of the times; from 2 on after a round that is not counted.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     repeat: u32,
 }
@@ -85,7 +85,9 @@ pub fn run(args: &TraceArgs, terminal: &Terminal) -> Result<(), Failure> {
 
     let mut answers = vec![0.0_f32; rays.len()];
     let mut rates = Vec::new();
-    for _ in 0..args.repeat {
+    // The first of several rounds waits for memory that is touched the first time.
+    let warm_up = u32::from(args.repeat > 1);
+    for round in 0..args.repeat.saturating_add(warm_up) {
         let started = Instant::now();
         pool.install(|| match (args.batch, args.any) {
             (true, is_any) => batches(&world, rays, &mut answers, is_any),
@@ -93,7 +95,9 @@ pub fn run(args: &TraceArgs, terminal: &Terminal) -> Result<(), Failure> {
             (false, false) => each(rays, &mut answers, |ray| distance(&world, &parse(ray))),
         });
         let seconds = started.elapsed().as_secs_f64();
-        rates.push(rays.len() as f64 / seconds.max(1e-9) / 1e6);
+        if round >= warm_up {
+            rates.push(rays.len() as f64 / seconds.max(1e-9) / 1e6);
+        }
     }
     let hits = answers.iter().filter(|&&a| if args.any { a > 0.0 } else { a.is_finite() }).count();
     let memory = peak_bytes().map_or(String::new(), |b| format!(", {} MB", b >> 20));

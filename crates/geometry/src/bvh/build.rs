@@ -10,6 +10,7 @@ use rayon::prelude::*;
 
 use super::bins::{Filled, Halves, Verdict, Weighed};
 use super::item::{Box32, Item, box_of, item_around, number};
+use super::ray::MARGIN;
 use super::{Bvh, Child, Lanes, MAX_DEPTH, Node, WIDTH};
 use crate::bounds::Bounds;
 use crate::memory;
@@ -338,12 +339,23 @@ impl Builder {
 fn node(parts: &Parts) -> Node {
     let mut node = Node { planes: [[0.0; WIDTH]; 6], children: [Child::default(); WIDTH] };
     for (lane, part) in parts.iter().enumerate() {
+        let bounds = part.bounds();
+        let margin = margin(bounds);
         for axis in 0..3 {
-            node.planes[2 * axis][lane] = part.bounds().min(axis);
-            node.planes[2 * axis + 1][lane] = part.bounds().max(axis);
+            node.planes[2 * axis][lane] = bounds.min(axis) - margin;
+            node.planes[2 * axis + 1][lane] = bounds.max(axis) + margin;
         }
     }
     node
+}
+
+/// What the test of a box may be off by for the sake of the box's own numbers, see [`super::ray::MARGIN`]; the tree
+/// has it in its boxes, so that a large one among small ones makes only its own larger.
+fn margin(bounds: &Box32) -> f32 {
+    // No more than f32 has: what is missing has infinite coordinates, and must not become NaN.
+    let largest = (0..3)
+        .fold(0.0_f32, |all, axis| all.max(bounds.min(axis).abs()).max(bounds.max(axis).abs()));
+    if largest.is_finite() { largest * MARGIN } else { 0.0 }
 }
 
 /// All nodes in one piece, their children counted from the first.

@@ -27,9 +27,17 @@ pub struct BoxRay {
     pub(super) scale: f64,
 }
 
-/// Components of the direction below this part of the largest count as this much: over the whole scene
-/// that moves a ray by less than its pad, and products with f32's coordinates stay finite.
+/// Components of the direction below this part of the largest count as this much: up to a box
+/// that moves a ray by less than its pad and the box's margin, and products with f32's coordinates stay finite.
 const SMALLEST: f32 = 1e-9;
+/// What the test of a box may be off by, as a part of the largest coordinates of origin and box together: the ray's pad
+/// has it for the origin, boxes in the tree are larger by it for their own.
+///
+/// In units of 2^-24 of both: the rounding of the scaled direction 1, of its inverse 1, of the origin 1, of moving it 1,
+/// of its product 1, of the plane's product 1, of the difference 2, since both products together may be twice as
+/// large, and of the larger box 1; directions that are nearly along a plane ([`SMALLEST`]) 1; the rest for the
+/// roundings of the pads.
+pub(super) const MARGIN: f32 = 18.0 / (1u32 << 24) as f32;
 /// Covers two roundings.
 const UP: f32 = 1.0 + 3e-7;
 /// Coordinates above this are not looked at: all boxes are entered.
@@ -71,11 +79,8 @@ impl Start {
         let relative = single(origin - bvh.center);
         let away = relative.abs().max_element() * UP;
         let reach = away + bvh.extent as f32;
-        // In units of 2^-24 of the reach: the rounding of the scaled direction 1, of its inverse 1, of the
-        // origin 1, of moving it 1, of its product 1, of the plane's product 1 and of the difference 2, since
-        // both products together may be twice the reach; the rest for the roundings of the pads. The last
-        // term counts where f32 has few digits left.
-        let pad = pad * UP + reach * (18.0 / (1u32 << 24) as f32) + f32::MIN_POSITIVE;
+        // The last term counts where f32 has few digits left.
+        let pad = pad * UP + away * MARGIN + f32::MIN_POSITIVE;
         let near_one = single(direction);
         let size = near_one.abs().max_element();
         // False where NaN, too. A ray without use enters all boxes.

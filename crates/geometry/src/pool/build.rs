@@ -8,7 +8,7 @@ use dioptric_math::DVec3;
 use rayon::prelude::*;
 
 use super::{Pool, Pooled};
-use crate::bounds::Bounds;
+use crate::bounds::{Bounds, Middle};
 use crate::bvh::balls::{BALLS, Balls};
 use crate::bvh::build::build_items;
 use crate::bvh::item::{item_around, make_items, number};
@@ -34,12 +34,16 @@ impl<S: Pooled> Pool<S> {
             return None;
         }
         let parallel = rayon::current_thread_index().is_some();
-        let bounds = if parallel {
-            given.par_chunks(RUN).map(around).reduce(|| Bounds::EMPTY, Bounds::union)
+        let runs: Vec<(Bounds, Middle)> = if parallel {
+            given.par_chunks(RUN).map(around).collect()
         } else {
-            around(&given)
+            given.chunks(RUN).map(around).collect()
         };
-        let center = if bounds.is_empty() { DVec3::ZERO } else { bounds.center() };
+        let all = |(bounds, middle): (Bounds, Middle), run: &(Bounds, Middle)| {
+            (bounds.union(run.0), middle.and(run.1))
+        };
+        let (bounds, middle) = runs.iter().fold((Bounds::EMPTY, Middle::NONE), all);
+        let center = middle.of(&bounds);
         let count = given.len().min(Bvh::MAX_ITEMS);
         let (items, _) = make_items(count, |(): &mut (), index| {
             let b = given.get(index as usize)?.bounds();
@@ -78,13 +82,18 @@ impl<S: Pooled> Pool<S> {
     }
 }
 
-/// The box around those that can be in a pool.
-fn around<S: Pooled>(things: &[S]) -> Bounds {
+/// The box around those that can be in a pool, and their middle.
+fn around<S: Pooled>(things: &[S]) -> (Bounds, Middle) {
     let is_small = |b: &Bounds| {
         let largest = b.min.abs().max(b.max.abs()).max_element();
         largest < LARGEST && !b.is_empty()
     };
-    things.iter().map(Shape::bounds).filter(is_small).fold(Bounds::EMPTY, Bounds::union)
+    let (mut bounds, mut middle) = (Bounds::EMPTY, Middle::NONE);
+    for b in things.iter().map(Shape::bounds).filter(is_small) {
+        bounds = bounds.union(b);
+        middle.add(&b);
+    }
+    (bounds, middle)
 }
 
 /// Balls around things that follow each other.

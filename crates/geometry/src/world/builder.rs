@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Collecting objects, groups and instances, and putting them in order for the queries.
 
-use dioptric_math::{DAffine3, DVec3};
+use dioptric_math::DAffine3;
 
 use super::filter::Filter;
 use super::{Instance, Level, NO_TRANSFORM, Object, Reach, World};
-use crate::bounds::Bounds;
+use crate::bounds::{Bounds, Middle};
 use crate::bvh::Bvh;
 use crate::ray::HitId;
 use crate::shapes::AnyShape;
@@ -228,13 +228,15 @@ impl Level {
     ) -> (Self, Vec<u32>) {
         let mut finite = Bounds::EMPTY;
         let mut reach = Reach::NONE;
+        let mut middle = Middle::NONE;
         for (b, r) in (0..count).map(&place) {
             reach = reach.or(r);
             if b.is_finite() && !b.is_empty() {
                 finite = finite.union(b);
+                middle.add(&b);
             }
         }
-        let center = if finite.is_empty() { DVec3::ZERO } else { finite.center() };
+        let center = middle.of(&finite);
         let (mut bounded, mut unbounded, mut empty) = (Vec::new(), Vec::new(), Vec::new());
         let mut bounds = finite;
         for index in 0..count as u32 {

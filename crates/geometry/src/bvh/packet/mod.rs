@@ -15,6 +15,7 @@ use std::ops::Range;
 use dioptric_math::bounds::gamma;
 
 use self::rows::{LANES, Mask, Row, Rows};
+use super::ray::MARGIN;
 use super::traverse::{LEFT, Leaves, NoCount, walk_below};
 use super::{BoxRay, Bvh, Child, MAX_DEPTH, WIDTH};
 
@@ -105,11 +106,15 @@ impl Packet {
             R::splat((amplify * gamma(256)) as f32),
             R::splat((extent * gamma(256)) as f32),
         );
-        let pad = R::load(&self.pad)
-            .mul_add(R::splat(amplify as f32), outside)
+        let outside = R::load(&self.pad).mul_add(R::splat(amplify as f32), outside);
+        let pad = outside
             .add(reach.mul(R::splat(16.0 / 16_777_216.0)))
             .mul_add(R::splat(UP), R::splat(f32::MIN_POSITIVE));
         pad.store(&mut self.pad);
+        // Boxes have what they need for their own coordinates.
+        let moved = outside
+            .add(largest.mul(R::splat(MARGIN)))
+            .mul_add(R::splat(UP), R::splat(f32::MIN_POSITIVE));
         let length2 = d[0].mul_add(d[0], d[1].mul_add(d[1], d[2].mul(d[2])));
         let length = length2.sqrt();
         length.store(&mut self.length);
@@ -124,8 +129,8 @@ impl Packet {
             let inverse = R::splat(1.0).div(unit.away_from_zero(SMALLEST));
             unit.store(&mut self.direction[axis]);
             inverse.store(&mut self.inverse[axis]);
-            o[axis].add(pad).mul(inverse).store(&mut self.low[axis]);
-            o[axis].sub(pad).mul(inverse).store(&mut self.high[axis]);
+            o[axis].add(moved).mul(inverse).store(&mut self.low[axis]);
+            o[axis].sub(moved).mul(inverse).store(&mut self.high[axis]);
         }
         // Never true for NaN.
         reach.add(pad).le(R::splat(FARTHEST))
