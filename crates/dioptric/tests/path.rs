@@ -229,3 +229,40 @@ fn noise(text: &str) -> (f64, f64, f64) {
     let count = f64::from(width * height);
     (mean / count, (variance / count).sqrt(), error.sqrt() / count)
 }
+
+/// `why` follows each path by itself, pictures take points sixteen at a time: to the same bits, whatever is around.
+#[test]
+fn points_side_by_side_are_points_one_by_one() {
+    let room = "rectangle((-2, 0, 2), (4, 0, 0), (0, 0, -4), material = matte(checker((0.9, 0.8, 0.7), 0.2)))\n\
+                sphere((-0.6, 0.5, 0), 0.5, material = mirror(0.9))\n\
+                sphere((0.5, 0.5, 0.3), 0.5, material = glass(ior = 1.5, absorption = (1, 0.2, 0)))\n\
+                box((0.2, 0, -1.5), (1.2, 1, -0.8), material = matte((0.7, 0.3, 0.2)))\n\
+                sphere((-1.2, 0.3, 0.8), 0.3, material = plastic(0.6))\n\
+                camera(eye = (0, 1.2, 4), look_at = (0, 0.5, 0), fov = 45)\n";
+    let panel = "rectangle((-0.5, 2, -0.5), (1, 0, 0), (0, 0, 1), material = glow((9, 7, 5)), name = \"lamp\")\n";
+    let around = [
+        String::new(),
+        "fog(color = 0.5, distance = 4)\n".into(),
+        "medium(absorption = (0.2, 0.1, 0.05))\nlight(position = (1, 3, 2), falloff = \"square\")\n".into(),
+        "background(gradient((1.0, 0.6, 0.3), (0.1, 0.25, 0.8), end = (0, 1, 0)))\n\
+         sphere((1.6, 0.4, 0.5), 0.2, material = glow(3))\n"
+            .into(),
+    ];
+    for around in &around {
+        for more in
+            ["", ", light_sampling = \"lights\"", ", clamp = 0.5", ", antialias = \"jitter\""]
+        {
+            let text = format!("{}{around}{room}{panel}", paths(12, 8, more));
+            let scene = scene(&text);
+            let pool = ThreadPoolBuilder::new().num_threads(2).build().unwrap();
+            let whole = Region::crop([12, 12], [0, 0, 12, 12]).unwrap();
+            let film = render(&scene, whole, &pool, &Control::default()).unwrap();
+            for (own, place) in film.pixels().iter().zip(0..) {
+                let (x, y) = (place % 12, place / 12);
+                let alone = pixel(&scene, x, y);
+                let [r, g, b, alpha] = own.rgba().map(f64::from);
+                assert_eq!(([r, g, b], alpha), (alone.linear, alone.alpha), "{x} {y}: {text}");
+            }
+        }
+    }
+}

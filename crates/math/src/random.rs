@@ -3,6 +3,7 @@
 
 /// Mixes all bits of a key (the finaliser of SplitMix64: Steele, Lea and Flood, "Fast splittable
 /// pseudorandom number generators", OOPSLA 2014, figure 5).
+#[inline(always)]
 #[must_use]
 pub const fn mix(key: u64) -> u64 {
     let z = key.wrapping_add(0x9e37_79b9_7f4a_7c15);
@@ -12,12 +13,14 @@ pub const fn mix(key: u64) -> u64 {
 }
 
 /// Joins a further word to a key.
+#[inline(always)]
 #[must_use]
 pub const fn join(key: u64, word: u64) -> u64 {
     mix(key ^ mix(word))
 }
 
 /// A number in `[0, 1)` with 53 random bits of `key`.
+#[inline(always)]
 #[must_use]
 pub const fn unit(key: u64) -> f64 {
     (key >> 11) as f64 * (1.0 / (1u64 << 53) as f64)

@@ -90,6 +90,11 @@ impl World {
         self.walk_few(&mut few, found);
     }
 
+    /// The same for one bundle.
+    pub fn blockers_of(&self, bundle: &Bundle, wanted: Mask, found: &mut Found) {
+        self.walk_any_lanes::<true>(bundle, wanted, found);
+    }
+
     /// Walks with rays that were gathered, and hands out what they found.
     fn walk_few(&self, few: &mut Few, found: &mut [Found]) {
         if few.count == 0 {

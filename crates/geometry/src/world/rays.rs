@@ -254,6 +254,24 @@ impl Rays {
         self.count += 1;
     }
 
+    /// Adds a ray that leaves what a lane of a bundle leaves, in another direction.
+    #[inline(always)]
+    pub fn push_lane(&mut self, from: &Bundle, lane: usize, direction: DVec3, t_max: f64) {
+        let at = self.count / LANES;
+        if at == self.bundles.len() {
+            self.bundles.push(Bundle::EMPTY);
+        }
+        let (bundle, to, lane) = (&mut self.bundles[at], self.count % LANES, lane % LANES);
+        for (axis, way) in direction.to_array().into_iter().enumerate() {
+            bundle.origin[axis][to] = from.origin[axis][lane];
+            bundle.direction[axis][to] = way;
+        }
+        (bundle.error[to], bundle.time[to]) = (from.error[lane], from.time[lane]);
+        bundle.t_max[to] = t_max;
+        bundle.leaves[to] = from.leaves[lane];
+        self.count += 1;
+    }
+
     /// Adds a ray from a point, whose direction and length are not known yet.
     #[inline(always)]
     pub fn push_from(&mut self, origin: DVec3, error: f64, time: f64, leave: Leave) {

@@ -87,7 +87,7 @@ impl Ground {
         if wi.z <= 0.0 {
             return (Spectrum::ZERO, 0.0);
         }
-        (self.front * ((1.0 - self.coat.mirrors(wi.z)) * wi.z), cosine_pdf(wi))
+        (self.front * ((1.0 - self.coat.mirrors(wi.z)) * wi.z), cosine_pdf(wi.z))
     }
 
     #[inline]

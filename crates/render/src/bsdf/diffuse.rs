@@ -17,28 +17,34 @@ pub struct Lambert {
 impl Lambert {
     #[inline]
     pub(super) fn eval_pdf(&self, wi: DVec3) -> (Spectrum, f64) {
-        let pdf = cosine_pdf(wi);
+        let pdf = cosine_pdf(wi.z);
         (self.albedo * pdf, pdf)
     }
 
     #[inline]
     pub(super) fn sample(&self, u: [f64; 2]) -> Option<BsdfSample> {
         let wi = cosine_direction(u)?;
-        Some(BsdfSample { wi, weight: self.albedo, pdf: cosine_pdf(wi) })
+        Some(BsdfSample { wi, weight: self.albedo, pdf: cosine_pdf(wi.z) })
     }
 }
 
 /// A direction above the surface, by the cosine of its angle to z (Malley's method; Pharr, Jakob and Humphreys,
-/// "Physically Based Rendering", 4th ed., section A.5.3). `None` for one within the surface.
+/// "Physically Based Rendering", 4th ed., section A.5.3), or just within it.
+#[inline(always)]
+pub(crate) fn raised_disc(u: [f64; 2]) -> DVec3 {
+    let [x, y] = concentric_disc(u);
+    DVec3::new(x, y, (1.0 - x * x - y * y).max(0.0).sqrt())
+}
+
+/// The same; `None` for one within the surface.
 #[inline]
 pub(super) fn cosine_direction(u: [f64; 2]) -> Option<DVec3> {
-    let [x, y] = concentric_disc(u);
-    let z = (1.0 - x * x - y * y).max(0.0).sqrt();
-    (z > 0.0).then_some(DVec3::new(x, y, z))
+    let direction = raised_disc(u);
+    (direction.z > 0.0).then_some(direction)
 }
 
 /// The density of [`cosine_direction`] over solid angles.
-#[inline]
-pub(super) fn cosine_pdf(wi: DVec3) -> f64 {
-    wi.z.max(0.0) * FRAC_1_PI
+#[inline(always)]
+pub(crate) fn cosine_pdf(cosine: f64) -> f64 {
+    cosine.max(0.0) * FRAC_1_PI
 }

@@ -47,6 +47,7 @@ mod shine;
 mod testing;
 mod uneven;
 
+pub(crate) use diffuse::{cosine_pdf, raised_disc};
 pub use lobe::Lobe;
 
 /// The sides of a surface, as a path meets it.

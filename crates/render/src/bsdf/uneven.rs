@@ -61,7 +61,7 @@ impl Uneven {
         let f = self.once * (1.0 + self.roughness * flat) + self.often * lost;
         let sines = self.sine * (1.0 - wi.z * wi.z).max(0.0).sqrt();
         let turn = if s > 0.0 && sines > 0.0 { (s / sines).min(1.0) } else { 0.0 };
-        (f * wi.z, (1.0 - self.back) * cosine_pdf(wi) + self.back * 0.5 * turn)
+        (f * wi.z, (1.0 - self.back) * cosine_pdf(wi.z) + self.back * 0.5 * turn)
     }
 
     #[inline]

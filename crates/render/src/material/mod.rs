@@ -104,6 +104,16 @@ pub struct Finish {
 }
 
 impl Finish {
+    /// Whether paths find nothing but Lambert's surface there, and not a black one.
+    #[inline(always)]
+    #[must_use]
+    pub fn is_matte(&self) -> bool {
+        matches!(self.optics, Optics::Opaque)
+            && self.unevenness == 0.0
+            && self.highlight.is_none_or(|h| h.image)
+            && self.diffuse.max_element() > 0.0
+    }
+
     /// A surface that only has ambient and diffuse light of one colour.
     #[must_use]
     pub const fn matte(color: Spectrum) -> Self {

@@ -12,6 +12,7 @@
 use dioptric_math::random;
 
 /// A hash in which every bit depends only on itself, on lower bits and on the key.
+#[inline(always)]
 const fn scramble_upwards(x: u32, key: u32) -> u32 {
     let x = x.wrapping_add(key);
     let x = x ^ x.wrapping_mul(0x6c50_b47c);
@@ -25,6 +26,7 @@ const fn scramble_upwards(x: u32, key: u32) -> u32 {
 ///
 /// The triangle of size 2n is made of three triangles of size n, `[[P, P], [0, P]]`, so five steps do
 /// for 32 bits: each adds the upper halves of all blocks to their lower halves.
+#[inline(always)]
 #[must_use]
 pub const fn pascal(i: u32) -> u32 {
     let i = i ^ ((i & 0xaaaa_aaaa) >> 1);
@@ -35,6 +37,7 @@ pub const fn pascal(i: u32) -> u32 {
 }
 
 /// Point `index` of the scrambled sequence that `key` picks, in `[0, 1)` with 32 bits each.
+#[inline(always)]
 #[must_use]
 pub const fn pair(index: u32, key: u64) -> [f64; 2] {
     let more = random::mix(key);
@@ -46,6 +49,7 @@ pub const fn pair(index: u32, key: u64) -> [f64; 2] {
     [unit(x), unit(y)]
 }
 
+#[inline(always)]
 const fn unit(bits: u32) -> f64 {
     bits as f64 * (1.0 / 4_294_967_296.0)
 }

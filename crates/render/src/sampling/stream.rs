@@ -62,6 +62,12 @@ impl Stream {
         Self { dimension: self.dimension + times as u64, ..*self }
     }
 
+    /// Whether its numbers are Sobol's.
+    #[must_use]
+    pub(crate) const fn is_sobol(&self) -> bool {
+        matches!(self.kind, Kind::Sobol)
+    }
+
     /// The numbers for the second of two ways that part here; the first goes on with this stream.
     #[must_use]
     pub fn forked(&self) -> Self {
@@ -85,7 +91,7 @@ impl Stream {
 
     fn next_key(&mut self) -> u64 {
         self.dimension += 1;
-        random::mix(self.key ^ self.dimension.wrapping_mul(0xd605_bbb5_8c8a_bbfd))
+        key_of(self.key, self.dimension)
     }
 
     /// Point `index` of a dimension; random points are jittered in groups of `n`.
@@ -97,6 +103,45 @@ impl Stream {
                 let u = [random::unit(first), random::unit(random::mix(first))];
                 if n == 1 { u } else { in_cell(u, index % n, n) }
             }
+        }
+    }
+}
+
+#[inline(always)]
+const fn key_of(key: u64, dimension: u64) -> u64 {
+    random::mix(key ^ dimension.wrapping_mul(0xd605_bbb5_8c8a_bbfd))
+}
+
+/// Sobol's numbers of sixteen samples side by side.
+#[derive(Clone, Debug)]
+pub(crate) struct Streams {
+    keys: [u64; LANES],
+    samples: [u32; LANES],
+    dimensions: [u64; LANES],
+}
+
+/// Samples side by side.
+const LANES: usize = 16;
+
+impl Streams {
+    pub const EMPTY: Self = Self { keys: [0; LANES], samples: [0; LANES], dimensions: [0; LANES] };
+
+    /// Puts a stream of Sobol's numbers into a lane.
+    #[inline(always)]
+    pub const fn set(&mut self, lane: usize, stream: &Stream) {
+        let lane = lane % LANES;
+        self.keys[lane] = stream.key;
+        self.samples[lane] = stream.sample;
+        self.dimensions[lane] = stream.dimension;
+    }
+
+    /// [`Stream::next_2d`] of each stream after its next `ahead` have been skipped.
+    #[inline(always)]
+    pub fn ahead(&self, ahead: u64, out: &mut [[f64; LANES]; 2]) {
+        let [x, y] = out;
+        for i in 0..LANES {
+            let key = key_of(self.keys[i], self.dimensions[i] + ahead + 1);
+            [x[i], y[i]] = sobol::pair(self.samples[i], key);
         }
     }
 }

@@ -86,10 +86,16 @@ impl Surroundings {
         self.extinction
     }
 
+    /// Whether all light is left after any distance.
+    #[must_use]
+    pub fn is_clear(&self) -> bool {
+        self.extinction == Spectrum::ZERO
+    }
+
     /// The share of light that is left after a distance in the space of rays; it may be infinite.
     #[must_use]
     pub fn transmittance(&self, distance: f64) -> Spectrum {
-        if self.extinction == Spectrum::ZERO {
+        if self.is_clear() {
             return Spectrum::ONE;
         }
         // A lane without absorption stays 1 at an infinite distance: 0 times infinity is no number.

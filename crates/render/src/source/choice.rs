@@ -63,6 +63,11 @@ impl Choice {
         Self { emitters, single, tree, powers }
     }
 
+    /// The only one that there is.
+    pub fn only(&self) -> Option<&Emitter> {
+        if let [only] = self.emitters.as_slice() { Some(only) } else { None }
+    }
+
     pub fn emitter(&self, emitter: u32) -> Option<&Emitter> {
         self.emitters.get(emitter as usize)
     }
@@ -97,7 +102,7 @@ impl Choice {
     /// The source that a number in `[0, 1)` picks, and its chance.
     pub fn pick(&self, point: DVec3, normal: Option<DVec3>, pick: f64) -> Option<(u32, f64)> {
         if let [only] = self.emitters.as_slice() {
-            return (only.weight(point, normal) > 0.0).then_some((0, 1.0));
+            return only.reaches(point, normal).then_some((0, 1.0));
         }
         let mut weights = [0.0; FEW];
         let total = self.total(point, normal, &mut weights);
@@ -133,8 +138,8 @@ impl Choice {
 
     /// The chance of a source.
     pub fn chance(&self, point: DVec3, normal: Option<DVec3>, source: u32) -> f64 {
-        if self.emitters.len() == 1 {
-            return if self.weight(source, point, normal) > 0.0 { 1.0 } else { 0.0 };
+        if let [only] = self.emitters.as_slice() {
+            return if only.reaches(point, normal) { 1.0 } else { 0.0 };
         }
         if self.tree.has(source) {
             let total = self.total(point, normal, &mut []);

@@ -150,6 +150,53 @@ impl Reach {
         let received = normal.map_or(1.0, |n| cosine(n, n.dot(way)));
         positive(self.power * (inverse * inverse) * out * received)
     }
+
+    /// Its normal, if it is flat.
+    pub fn flat(&self) -> Option<Flat> {
+        match self.facing {
+            Facing::Both(normal) => Some(Flat { normal, both: true }),
+            Facing::Front(normal) => Some(Flat { normal, both: false }),
+            Facing::All | Facing::Cone(..) => None,
+        }
+    }
+
+    /// Whether a point on the front of this plane may receive something from something flat. (Without branches, for loops over many points.)
+    #[inline(always)]
+    pub fn reaches(&self, flat: Flat, point: DVec3, normal: DVec3) -> bool {
+        let way = self.center - point;
+        let room = |n: DVec3| n.abs().dot(self.half).min(self.radius);
+        let near = way.length_squared() <= self.radius * self.radius;
+        let out = flat.both | (room(flat.normal) > flat.normal.dot(way));
+        near | (out & (normal.dot(way) + room(normal) > 0.0))
+    }
+
+    /// How far a ray may go that must not reach what was found at a distance: less by what rounding of the ray's
+    /// origin, of the surface (so many times its coordinates) and of the way to it can do. All of them are offsets in
+    /// proportion to coordinates, and an offset of the surface moves the point where a ray meets it by as much over the
+    /// cosine. (Where the ray nearly touches a sphere, its distance from the middle decides, and the way is off by the
+    /// root of the offset times the radius at most, which is what the least cosine stands for.)
+    #[inline(always)]
+    pub fn short_of(
+        &self,
+        rounding: f64,
+        point: DVec3,
+        direction: &DVec3,
+        distance: f64,
+        normal: DVec3,
+    ) -> f64 {
+        let size = point.abs().max_element() + self.center.abs().max_element() + self.radius;
+        let offset = gamma(256) * rounding * size;
+        let least = (offset / size.min(distance + self.radius)).min(1.0).sqrt();
+        let cosine = direction.dot(normal).abs().max(least);
+        (distance - offset / cosine).max(0.0)
+    }
+}
+
+/// The normal of something flat, and whether it shines on both sides of itself.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Flat {
+    pub normal: DVec3,
+    pub both: bool,
 }
 
 impl Reach {
@@ -161,6 +208,7 @@ impl Reach {
 }
 
 /// A weight that can be added to others: NaN is nothing.
+#[inline(always)]
 fn positive(weight: f64) -> f64 {
     if weight > 0.0 { weight.min(1e200) } else { 0.0 }
 }
@@ -178,6 +226,16 @@ impl Emitter {
             Self::Sky(sky) => sky.weight(normal),
         };
         positive(weight)
+    }
+
+    /// Whether a point may receive something from it.
+    pub fn reaches(&self, point: DVec3, normal: Option<DVec3>) -> bool {
+        if let (Self::Glow(glow), Some(normal)) = (self, normal)
+            && let Some(flat) = glow.reach.flat()
+        {
+            return glow.reach.reaches(flat, point, normal);
+        }
+        self.weight(point, normal) > 0.0
     }
 
     /// Where it is and what it sends, if that weakens with distance.
@@ -212,18 +270,10 @@ impl Glow {
         shining(&shading.finish, outside)
     }
 
-    /// How far a ray may go that must not reach what was found: less by what rounding of the ray's origin, of the
-    /// surface and of the way to it can do. All of them are offsets in proportion to coordinates, and an offset
-    /// of the surface moves the point where a ray meets it by as much over the cosine. (Where the ray nearly
-    /// touches a sphere, its distance from the middle decides, and the way is off by the root of the offset times
-    /// the radius at most, which is what the least cosine stands for.)
+    /// How far a ray may go that must not reach what was found.
     pub fn short_of(&self, point: DVec3, found: &Found) -> f64 {
-        let size =
-            point.abs().max_element() + self.reach.center.abs().max_element() + self.reach.radius;
-        let offset = gamma(256) * self.rounding * size;
-        let least = (offset / size.min(found.distance + self.reach.radius)).min(1.0).sqrt();
-        let cosine = found.direction.dot(found.normal).abs().max(least);
-        (found.distance - offset / cosine).max(0.0)
+        let Found { direction, distance, normal, .. } = found;
+        self.reach.short_of(self.rounding, point, direction, *distance, *normal)
     }
 }
 

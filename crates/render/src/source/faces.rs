@@ -5,9 +5,10 @@
 //! 1e-20 of the sky is sampled as well as one that fills half of it.
 
 use dioptric_math::bounds::gamma;
-use dioptric_math::{DVec3, atan2, normalize, sin, sin_cos};
+use dioptric_math::{DVec3, atan2, normalize, sin};
 
 use super::patch::Found;
+use super::rectangle::{Rectangle, View};
 
 /// A triangle, or a rectangle (right-angled).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,6 +18,7 @@ pub(super) struct Face {
     /// The product of the edges, and the unit vector along it.
     span: DVec3,
     normal: DVec3,
+    area: f64,
     /// Unit vectors along the edges, and how long these are.
     axes: [DVec3; 2],
     lengths: [f64; 2],
@@ -33,17 +35,27 @@ impl Face {
         let axes = [normalize(edges[0])?, normalize(edges[1])?];
         let lengths = edges.map(DVec3::length);
         let known = corner.is_finite() && span.is_finite();
+        let area = 0.5 * span.length();
         let is_triangle = true;
-        known.then_some(Self { corner, edges, span, normal, axes, lengths, is_triangle, part })
+        known.then_some(Self {
+            corner,
+            edges,
+            span,
+            normal,
+            area,
+            axes,
+            lengths,
+            is_triangle,
+            part,
+        })
     }
 
     /// Pushes a parallelogram: one face if it is a rectangle, else two.
     pub fn parallelogram(corner: DVec3, edges: [DVec3; 2], part: u32, out: &mut Vec<Self>) {
         let [u, v] = edges;
         if u.dot(v).abs() <= 1e-13 * u.length() * v.length() {
-            out.extend(
-                Self::triangle(corner, edges, part).map(|f| Self { is_triangle: false, ..f }),
-            );
+            let half = Self::triangle(corner, edges, part);
+            out.extend(half.map(|f| Self { is_triangle: false, area: 2.0 * f.area, ..f }));
         } else {
             out.extend(Self::triangle(corner, [u, u + v], part));
             out.extend(Self::triangle(corner, [u + v, v], part));
@@ -66,9 +78,8 @@ impl Face {
         self.corner + self.edges[0] * a + self.edges[1] * b
     }
 
-    pub fn area(&self) -> f64 {
-        let whole = self.span.length();
-        if self.is_triangle { 0.5 * whole } else { whole }
+    pub const fn area(&self) -> f64 {
+        self.area
     }
 
     pub const fn part(&self) -> u32 {
@@ -86,40 +97,54 @@ impl Face {
         (height.abs() > rounding).then_some(height)
     }
 
+    /// A rectangle, if it is one.
+    #[inline(always)]
+    pub const fn rectangle(&self) -> Option<Rectangle> {
+        let Self { corner, axes, lengths, normal, area, .. } = *self;
+        if self.is_triangle {
+            None
+        } else {
+            Some(Rectangle { corner, axes, lengths, normal, area })
+        }
+    }
+
     /// The face as it is seen from a point at a height.
     fn seen(&self, point: DVec3, height: f64) -> Option<Seen> {
         let a = self.corner - point;
         let ([e, f], det) = (self.edges, height.abs() * self.span.length());
-        let (b, c) = (a + e, a + f);
-        let mut lengths = [0.0; 2];
-        let whole = if self.is_triangle {
-            solid_angle([a, b, c], det)
-        } else {
-            // The two halves: their half angles are those of two complex numbers, and of their product together.
-            let d = b + f;
-            let [i, j, k, l] = [a, b, c, d].map(DVec3::length);
-            lengths = [i, k];
-            let (ad, diagonal) = (a.dot(d), i * l);
-            let first = (diagonal + ad) * j + a.dot(b) * l + b.dot(d) * i;
-            let second = (diagonal + ad) * k + a.dot(c) * l + c.dot(d) * i;
-            let (re, im) = (first * second - det * det, (det * (first + second)).max(0.0));
-            if re.is_finite() && im > f64::MIN_POSITIVE {
-                2.0 * atan2(im, re)
-            } else {
-                solid_angle([a, b, d], det) + solid_angle([a, d, c], det)
+        let view = self.rectangle().map(|r| r.view(point));
+        let whole = match &view {
+            None => solid_angle([a, a + e, a + f], det),
+            Some(view) if !view.odd => view.solid_angle,
+            Some(_) => {
+                let d = a + e + f;
+                solid_angle([a, a + e, d], det) + solid_angle([a, d, a + f], det)
             }
         };
         let usable = whole > 0.0 && whole.is_finite();
-        usable.then_some(Seen { a, height, det, lengths, solid_angle: whole })
+        usable.then_some(Seen { a, height, det, view, solid_angle: whole })
     }
 
     /// The part of the face in one of the directions in which it is seen, uniform over them.
     fn sample(&self, seen: &Seen, u: [f64; 2]) -> Option<Found> {
         let ([e, f], a) = (self.edges, seen.a);
+        let found = |direction: DVec3, distance: f64| {
+            (distance > 0.0 && distance.is_finite()).then_some(Found {
+                direction,
+                distance,
+                normal: self.normal,
+                density: 1.0 / seen.solid_angle,
+                part: self.part,
+            })
+        };
+        if let (Some(rectangle), Some(view)) = (self.rectangle(), seen.view) {
+            let look = rectangle.look(&view, u);
+            if look.fits && !view.odd {
+                return found(look.direction, look.distance);
+            }
+        }
         let direction = if self.is_triangle {
             in_triangle([a, a + e, a + f], [e, f], seen, u)?
-        } else if seen.solid_angle > 1e-3 {
-            self.in_rectangle(seen, u)?
         } else {
             // The two halves, each in proportion.
             let d = e + f;
@@ -133,46 +158,7 @@ impl Face {
                 in_triangle([a, a + d, a + f], [d, f], &half, [rest, u[1]])?
             }
         };
-        let distance = seen.height / direction.dot(self.normal);
-        (distance > 0.0 && distance.is_finite()).then_some(Found {
-            direction,
-            distance,
-            normal: self.normal,
-            density: 1.0 / seen.solid_angle,
-            part: self.part,
-        })
-    }
-
-    /// Ureña, Fajardo and King, "An Area-Preserving Parametrization for Spherical Rectangles", EGSR 2013,
-    /// section 4.
-    fn in_rectangle(&self, seen: &Seen, u: [f64; 2]) -> Option<DVec3> {
-        let ([x, y], [width, height]) = (self.axes, self.lengths);
-        // Seen along -z.
-        let z = if seen.height > 0.0 { -self.normal } else { self.normal };
-        let z0 = -seen.height.abs();
-        let (x0, y0) = (seen.a.dot(x), seen.a.dot(y));
-        let (x1, y1) = (x0 + width, y0 + height);
-        let (r0, r1) = ((y0 * y0 + z0 * z0).sqrt(), (y1 * y1 + z0 * z0).sqrt());
-        // Heights of the unit normals of the planes through the sides of y0 and y1.
-        let (b0, b1) = (-y0 / r0, y1 / r1);
-        // k is a whole turn less the angles at the corners (x0, y1) and (x0, y0) between the planes: those of two
-        // complex numbers, so that their product has its cosine and its sine.
-        let [l0, l1] = seen.lengths;
-        let unit = 1.0 / (r0 * r1 * (x0 * x0 + z0 * z0));
-        let cos_k = -(x0 * x0 * y0 * y1 + z0 * z0 * l0 * l1) * unit;
-        let sin_k = z0 * x0 * (y1 * l0 - y0 * l1) * unit;
-        let (s, c) = sin_cos(u[0] * seen.solid_angle);
-        let (sin_a, cos_a) = (s * cos_k + c * sin_k, c * cos_k - s * sin_k);
-        let fu = (cos_a * b0 - b1) / sin_a;
-        // 1 - b0^2, without its cancellation.
-        let flat = z0 / r0;
-        let root = (fu * fu - flat * flat).max(0.0).sqrt();
-        let xu = (-z0 / root).copysign(fu).clamp(x0, x1);
-        let d2 = xu * xu + z0 * z0;
-        let (h0, h1) = (y0 / (d2 + y0 * y0).sqrt(), y1 / (d2 + y1 * y1).sqrt());
-        let h = h0 + u[1] * (h1 - h0);
-        let yv = (h * (d2 / (1.0 - h * h).max(f64::MIN_POSITIVE)).sqrt()).clamp(y0, y1);
-        normalize(x * xu + y * yv + z * z0)
+        found(direction, seen.height / direction.dot(self.normal))
     }
 }
 
@@ -185,8 +171,7 @@ struct Seen {
     height: f64,
     /// Six times the volume between the point and the triangle of the edges, without sign.
     det: f64,
-    /// Of a rectangle: the lengths of the ways to the first corner and to the one along the second edge.
-    lengths: [f64; 2],
+    view: Option<View>,
     solid_angle: f64,
 }
 

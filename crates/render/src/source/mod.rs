@@ -12,7 +12,9 @@ mod choice;
 mod emitter;
 mod faces;
 mod foci;
+mod lanes;
 mod patch;
+mod rectangle;
 mod ring;
 mod sky;
 #[cfg(test)]
@@ -29,8 +31,11 @@ use crate::scene::Scene;
 use choice::Choice;
 use emitter::{Emitter, Lamp};
 pub use foci::{Aims, Foci};
+use lanes::Only;
 use patch::Met;
 use sky::Sky;
+
+pub(crate) use lanes::Looks;
 
 /// A direction in which a source was found.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,6 +73,7 @@ pub struct Sources {
     /// The lights that have a size.
     sized: Vec<u32>,
     foci: Foci,
+    only: Option<Only>,
 }
 
 /// A source by its place in the scene.
@@ -138,6 +144,7 @@ impl Sources {
             this.foci = Foci::new(emitters.iter());
         }
         this.choice = Choice::new(emitters);
+        this.only = Only::of(&this.choice);
         this
     }
 
@@ -187,7 +194,7 @@ impl Sources {
             Emitter::Glow(glow) => {
                 let found = glow.patch.sample(point, u)?;
                 let pdf = chance * found.density;
-                let value = glow.radiance(scene, point, &found) / pdf;
+                let value = glow.radiance(scene, point, &found) * (1.0 / pdf);
                 let distance = glow.short_of(point, &found);
                 SourceSample { direction: found.direction, distance, value, pdf, source }
             }

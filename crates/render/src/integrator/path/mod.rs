@@ -12,6 +12,7 @@
 //!
 //! What differs from Whitted's meaning of a scene stands in the manual, `path.md`.
 
+mod matte;
 mod phase;
 mod tell;
 mod vertex;
@@ -19,7 +20,7 @@ mod volume;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use dioptric_geometry::world::{Hit, Query};
+use dioptric_geometry::world::{Bundle, Found, Query, Rays};
 use dioptric_geometry::{Contacts, HitId, Ray};
 use dioptric_math::{DVec3, Spectrum};
 
@@ -32,6 +33,7 @@ use crate::sampling::stream::Stream;
 use crate::scene::Scene;
 use crate::setting::render::Shadows;
 use crate::stats::RayCounts;
+use matte::Matte;
 use tell::{Told, Trail};
 
 /// Paths that are followed side by side.
@@ -84,9 +86,13 @@ struct Task<I> {
 
 /// Memory that the rounds of a batch use again.
 struct Round<I> {
-    queries: Vec<Query>,
+    rays: Rays,
     paths: Vec<Path<I>>,
-    hits: Vec<Option<Hit>>,
+    found: Vec<Found>,
+    /// Those that go on with the next step.
+    next_rays: Rays,
+    next_paths: Vec<Path<I>>,
+    matte: Matte<I>,
     shadows: Vec<Query>,
     tasks: Vec<Task<I>>,
     told: Vec<Told>,
@@ -130,6 +136,11 @@ impl<'a, 'r, R: Recorder> Paths<'a, 'r, R> {
                 self.step(&mut round);
             }
         }
+        for radiance in &mut self.radiances {
+            if radiance.first.object != FirstHit::NOTHING {
+                radiance.alpha = 1.0;
+            }
+        }
         self.radiances
     }
 
@@ -143,7 +154,7 @@ impl<'a, 'r, R: Recorder> Paths<'a, 'r, R> {
     ) {
         self.counts.camera += 1;
         let id = self.recorder.begin(None, RayKind::Camera, &ray);
-        round.queries.push(Query::new(ray, f64::INFINITY, None, Contacts::CROSSED));
+        round.rays.push(&Query::new(ray, f64::INFINITY, None, Contacts::CROSSED));
         round.paths.push(Path {
             sample,
             id,
@@ -160,31 +171,26 @@ impl<'a, 'r, R: Recorder> Paths<'a, 'r, R> {
         });
     }
 
-    /// Takes every path one surface further; those that go on are kept, in order.
+    /// Takes every path one surface further; those that go on are kept.
     fn step(&mut self, round: &mut Round<R::Id>) {
-        self.scene.world.closest_each(&round.queries, &mut round.hits);
-        let (mut kept, mut bsdf) = (0, Bsdf::BLACK);
+        self.scene.world.closest_of_rays(&round.rays, &mut round.found);
+        round.next_rays.clear();
+        round.next_paths.clear();
+        let mut bsdf = Bsdf::BLACK;
         for i in 0..round.paths.len() {
-            let (path, query, hit) = (round.paths[i], round.queries[i], round.hits[i]);
-            match self.meet(path, &query, hit, &mut bsdf, round) {
-                Some((path, query)) => {
-                    round.paths[kept] = path;
-                    round.queries[kept] = query;
-                    kept += 1;
-                }
-                None => round.ended.push((path.sample, path.id)),
+            let (path, query) = (round.paths[i], round.rays.bundles()[i / Bundle::LANES].query(i));
+            let hit = round.found[i / Bundle::LANES].best(i);
+            if !self.meet(path, &query, hit, &mut bsdf, round) && R::ENABLED {
+                round.ended.push((path.sample, path.id));
             }
         }
+        self.scatter_matte(round);
         self.cast_shadows(round);
         for (sample, id) in round.ended.drain(..) {
-            let radiance = &mut self.radiances[sample as usize];
-            if radiance.first.object != FirstHit::NOTHING {
-                radiance.alpha = 1.0;
-            }
-            self.recorder.end(id, Spectrum::ONE, radiance.color);
+            self.recorder.end(id, Spectrum::ONE, self.radiances[sample as usize].color);
         }
-        round.paths.truncate(kept);
-        round.queries.truncate(kept);
+        std::mem::swap(&mut round.paths, &mut round.next_paths);
+        std::mem::swap(&mut round.rays, &mut round.next_rays);
     }
 
     /// Adds what arrives from the sources that were asked for.
@@ -254,18 +260,31 @@ impl<'a, 'r, R: Recorder> Paths<'a, 'r, R> {
     }
 }
 
+impl<I> Round<I> {
+    /// Keeps a path that goes on for the next step; whether there is one.
+    fn go_on(&mut self, next: Option<(Path<I>, Query)>) -> bool {
+        let Some((path, query)) = next else { return false };
+        self.next_paths.push(path);
+        self.next_rays.push(&query);
+        true
+    }
+}
+
 impl<I> Default for Round<I> {
     fn default() -> Self {
         Self {
-            queries: Vec::with_capacity(TOGETHER),
+            rays: Rays::default(),
             paths: Vec::with_capacity(TOGETHER),
-            hits: Vec::with_capacity(TOGETHER),
+            found: Vec::with_capacity(TOGETHER / Bundle::LANES),
+            next_rays: Rays::default(),
+            next_paths: Vec::with_capacity(TOGETHER),
+            matte: Matte::new(),
             shadows: Vec::with_capacity(TOGETHER),
             tasks: Vec::with_capacity(TOGETHER),
             told: Vec::new(),
             blockers: Vec::with_capacity(TOGETHER),
             spare: Spare::default(),
-            ended: Vec::with_capacity(TOGETHER),
+            ended: Vec::new(),
         }
     }
 }

@@ -22,9 +22,9 @@ use crate::setting::render::LightSampling;
 use crate::source::shining;
 
 /// Bounces before chance may end a path.
-const SURE: u32 = 3;
+pub(super) const SURE: u32 = 3;
 /// Who carries nearly all of its light goes on for sure but for this share: in a white room nothing else would end it.
-const MOST: f64 = 0.98;
+pub(super) const MOST: f64 = 0.98;
 
 /// The frame of a point: z is the shading normal that faces the viewer.
 struct Frame {
@@ -61,7 +61,8 @@ struct Vertex<'a, 'b> {
 
 /// The share of the first of two ways to find the same light, by their densities: the power heuristic with exponent 2
 /// (Veach and Guibas 1995, equation 14).
-fn share(own: f64, other: f64) -> f64 {
+#[inline(always)]
+pub(super) fn share(own: f64, other: f64) -> f64 {
     // A ratio: squares of densities may be too large for numbers.
     let ratio = other / own;
     1.0 / (1.0 + ratio * ratio)
@@ -120,7 +121,7 @@ impl<I> Path<I> {
 }
 
 impl<'a, R: Recorder> Paths<'a, '_, R> {
-    /// What a path's ray met; returns the path where it goes on, with its next ray.
+    /// What a path's ray met; whether the path goes on.
     pub(super) fn meet(
         &mut self,
         mut path: Path<R::Id>,
@@ -128,7 +129,7 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
         hit: Option<Hit>,
         bsdf: &mut Bsdf,
         round: &mut Round<R::Id>,
-    ) -> Option<(Path<R::Id>, Query)> {
+    ) -> bool {
         let scene = self.scene;
         let found = hit.and_then(|hit| {
             resolve(
@@ -152,16 +153,16 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
         let Some((hit, shading)) = found else {
             self.see_sky(&path, query);
             if way.through.is_none() {
-                return way.turned;
+                return round.go_on(way.turned);
             }
             self.recorder.note(path.id, "ended", || json!("outside of the scene"));
-            return None;
+            return false;
         };
         let point = Point::new(&query.ray, hit, shading, query.departure().as_ref());
         if scene.insides.borders && scene.interior(point.hit.id).border {
-            let Some(chance) = way.through else { return way.turned };
+            let Some(chance) = way.through else { return round.go_on(way.turned) };
             path.throughput /= chance;
-            return self.cross_border(&path, &point);
+            return round.go_on(self.cross_border(&path, &point));
         }
         if path.depth == 0 {
             let mut first = point.first_hit(scene);
@@ -174,22 +175,28 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
                 told
             });
         }
-        let vertex = self.vertex(&path, point, bsdf);
-        self.see_glow(&path, query, &vertex);
+        self.see_glow(&path, query, &point);
         // The ray after the last bounce brings only what shines by itself: the other half of direct light.
-        let next = if way.through.is_none() {
-            way.turned
+        let (goes_on, finish) = if way.through.is_none() {
+            (round.go_on(way.turned), point.finish)
         } else if path.depth > scene.settings.bounces {
             self.recorder.note(path.id, "ended", || json!("at the limit of bounces"));
-            None
+            (false, point.finish)
+        } else if point.finish.is_matte() && self.in_lanes(&path) {
+            path.throughput /= way.through.unwrap_or(1.0);
+            if round.matte.push(path, &point) {
+                self.scatter_matte(round);
+            }
+            (true, point.finish)
         } else {
             path.throughput /= way.through.unwrap_or(1.0);
-            self.scatter(&path, &vertex, round)
+            let vertex = self.vertex(&path, point, bsdf);
+            (self.scatter(&path, &vertex, round), vertex.point.finish)
         };
-        if let Answer::Here(answer) = vertex.point.finish {
+        if let Answer::Here(answer) = finish {
             round.spare.push(answer);
         }
-        next
+        goes_on
     }
 
     /// Lights with a size that the ray passes: they are no objects. From the camera they are not seen, as in
@@ -243,13 +250,15 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
     }
 
     /// Light of the surface's own.
-    fn see_glow(&mut self, path: &Path<R::Id>, query: &Query, vertex: &Vertex) {
-        let point = &vertex.point;
-        let emission = shining(&point.finish, point.outside || !vertex.solid);
-        if emission == Spectrum::ZERO {
+    fn see_glow(&mut self, path: &Path<R::Id>, query: &Query, point: &Point) {
+        if point.finish.emission == Spectrum::ZERO {
             return;
         }
         let scene = self.scene;
+        let emission = shining(&point.finish, point.outside || !point.is_solid(scene));
+        if emission == Spectrum::ZERO {
+            return;
+        }
         let Query { ray, .. } = query;
         let weight = share_of_path(scene.settings.light_sampling, path.density, || {
             scene.sources.density_of_hit(
@@ -298,13 +307,8 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
         Vertex { point, frame, wo, bsdf, sides, solid }
     }
 
-    /// Asks a source, and goes on unless chance ends the path.
-    fn scatter(
-        &mut self,
-        path: &Path<R::Id>,
-        vertex: &Vertex,
-        round: &mut Round<R::Id>,
-    ) -> Option<(Path<R::Id>, Query)> {
+    /// Asks a source, and sends the path on unless chance ends it; whether it goes on.
+    fn scatter(&mut self, path: &Path<R::Id>, vertex: &Vertex, round: &mut Round<R::Id>) -> bool {
         let scene = self.scene;
         let mut stream = path.stream;
         let [pick_source, pick_lobe] = stream.next_2d();
@@ -323,7 +327,7 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
         }) else {
             self.recorder.also(path.id, "bounces", || vertex.told(scene, path.depth));
             self.recorder.note(path.id, "ended", || json!("absorbed"));
-            return None;
+            return false;
         };
         let throughput = path.throughput * sample.weight;
         let sharp = sample.is_sharp();
@@ -351,7 +355,7 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
         let Some(goes_on) = carries_on(&mut next, &mut stream) else {
             self.recorder.also(path.id, "bounces", || vertex.told(scene, path.depth));
             self.recorder.note(path.id, "ended", || json!("by chance: it carried too little"));
-            return None;
+            return false;
         };
         self.recorder.also(path.id, "bounces", || {
             let how = match (through, sharp) {
@@ -369,7 +373,7 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
             told
         });
         next.stream = stream;
-        Some((next, leg.query(f64::INFINITY)))
+        round.go_on(Some((next, leg.query(f64::INFINITY))))
     }
 
     /// Picks a source and asks whether it is seen.
@@ -402,7 +406,7 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
         }
         let inside = if front { vertex.sides.near } else { vertex.sides.far };
         let clear = self.clear_to_source(inside, source.distance);
-        let value = path.throughput * scattered * source.value * clear * weight;
+        let value = path.throughput * scattered * source.value * weight * clear;
         if !(value.max_element() > 0.0 && value.is_finite()) {
             return;
         }

@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Points of matte surfaces, sixteen at a time: the same steps, to the same bits, as [`super::vertex`] takes with each
+//! point by itself, in plain loops over arrays. Most points of most scenes are matte.
+
+use std::f64::consts::FRAC_1_PI;
+
+use dioptric_geometry::world::{Bundle, Found, Leave, Sixteen};
+use dioptric_math::wide::{Kernel, wide};
+use dioptric_math::{DVec3, Spectrum, orthonormal_basis};
+
+use super::vertex::{MOST, SURE, share};
+use super::{Path, Paths, Round};
+use crate::bsdf::{cosine_pdf, raised_disc};
+use crate::integrator::lit::{Vectors, get, put};
+use crate::integrator::media::Inside;
+use crate::integrator::point::Point;
+use crate::integrator::recorder::Recorder;
+use crate::sampling::stream::Streams;
+use crate::setting::render::LightSampling;
+use crate::source::Looks;
+
+const LANES: usize = Bundle::LANES;
+const ZERO: Vectors = [[0.0; LANES]; 3];
+
+/// Up to sixteen points, with the paths that came there.
+pub(super) struct Matte<I> {
+    paths: Vec<Path<I>>,
+    /// Rays towards sources. Those that go on start where they do.
+    rays: Bundle,
+    /// Has the shading normals, too.
+    looks: Looks,
+    geometric: Vectors,
+    albedo: Vectors,
+    throughput: Vectors,
+    /// What refraction has squeezed radiance by, and whether chance may end the path: then it is not 0.
+    squeezed: Sixteen,
+    unsure: Sixteen,
+    streams: Streams,
+    /// What light does if nothing is between.
+    value: Vectors,
+    /// Where the paths go on, and the numbers that pick these directions.
+    next: Vectors,
+    density: Sixteen,
+    lobe: [Sixteen; 2],
+    chance: [Sixteen; 2],
+    found: Found,
+}
+
+impl<I> Matte<I> {
+    pub fn new() -> Self {
+        Self {
+            paths: Vec::with_capacity(LANES),
+            rays: Bundle::EMPTY,
+            looks: Looks::EMPTY,
+            geometric: ZERO,
+            albedo: ZERO,
+            throughput: ZERO,
+            squeezed: [0.0; LANES],
+            unsure: [0.0; LANES],
+            streams: Streams::EMPTY,
+            value: ZERO,
+            next: ZERO,
+            density: [0.0; LANES],
+            lobe: [[0.0; LANES]; 2],
+            chance: [[0.0; LANES]; 2],
+            found: Found::NOTHING,
+        }
+    }
+
+    /// Adds a point; whether there are sixteen now.
+    #[inline(always)]
+    pub fn push(&mut self, path: Path<I>, point: &Point) -> bool {
+        let lane = self.paths.len() % LANES;
+        put(&mut self.rays.origin, lane, point.surface.point);
+        (self.rays.error[lane], self.rays.time[lane]) = (point.surface.error, point.ray.time);
+        self.rays.leaves[lane] = Leave::back(point.hit.id, point.outside, point.arrived);
+        put(&mut self.looks.normal, lane, point.normal);
+        put(&mut self.geometric, lane, point.geometric());
+        put(&mut self.albedo, lane, point.finish.diffuse);
+        put(&mut self.throughput, lane, path.throughput);
+        self.squeezed[lane] = path.squeezed;
+        self.unsure[lane] = if path.depth + 1 > SURE { 1.0 } else { 0.0 };
+        self.streams.set(lane, &path.stream);
+        self.paths.push(path);
+        self.paths.len() == LANES
+    }
+}
+
+impl<R: Recorder> Paths<'_, '_, R> {
+    /// Whether matte points of this scene are taken sixteen at a time.
+    pub(super) fn in_lanes(&self, path: &Path<R::Id>) -> bool {
+        let insides = &self.scene.insides;
+        !R::ENABLED && path.stream.is_sobol() && !insides.borders && !insides.scatter
+    }
+
+    /// Lights the matte points and sends their paths on.
+    pub(super) fn scatter_matte(&mut self, round: &mut Round<R::Id>) {
+        let Round { matte, next_rays, next_paths, .. } = round;
+        let count = matte.paths.len();
+        if count == 0 {
+            return;
+        }
+        let all = if count < LANES { (1 << count) - 1 } else { u16::MAX };
+        let scene = self.scene;
+        wide(Numbers(matte));
+        let found = scene.sources.sample_lanes(scene, &mut matte.rays, &mut matte.looks, all);
+        let how = scene.settings.light_sampling;
+        let [bright, going] = wide(Scatter { matte, how });
+        let mut lit = bright & found;
+        if !self.is_clear(matte.paths.iter().map(|path| path.inside)) {
+            lit = self.dim(matte, lit);
+        }
+        self.shine(matte, lit);
+        let (mut left, mut gone) = (going & all, 0);
+        while left != 0 {
+            let lane = left.trailing_zeros() as usize % LANES;
+            left &= left - 1;
+            gone += 1;
+            let path = &matte.paths[lane];
+            let sure = matte.unsure[lane] == 0.0;
+            next_paths.push(Path {
+                throughput: get(&matte.throughput, lane),
+                density: matte.density[lane],
+                normal: Some(get(&matte.looks.normal, lane)),
+                depth: path.depth + 1,
+                walked: 0.0,
+                trail: path.trail.then(false),
+                stream: path.stream.ahead(if sure { 3 } else { 4 }),
+                ..*path
+            });
+            next_rays.push_lane(&matte.rays, lane, get(&matte.next, lane), f64::INFINITY);
+        }
+        self.counts.reflect += gone;
+        matte.paths.clear();
+    }
+
+    /// Whether nothing around these rays dims light.
+    fn is_clear(&self, mut inside: impl Iterator<Item = Inside>) -> bool {
+        let scene = self.scene;
+        scene.fog.is_none() && scene.surroundings.is_clear() && inside.all(|i| i.is_none())
+    }
+
+    /// What is between dims light of sources; returns those of which some is left.
+    #[cold]
+    fn dim(&self, matte: &mut Matte<R::Id>, mut lit: u16) -> u16 {
+        for (lane, path) in matte.paths.iter().enumerate() {
+            let clear = self.transmittance(path.inside, matte.rays.t_max[lane]);
+            let value = get(&matte.value, lane) * clear;
+            put(&mut matte.value, lane, value);
+            if !(value.max_element() > 0.0 && value.is_finite()) {
+                lit &= !(1 << lane);
+            }
+        }
+        lit
+    }
+
+    /// Adds what arrives from sources.
+    fn shine(&mut self, matte: &mut Matte<R::Id>, mut lit: u16) {
+        if lit == 0 {
+            return;
+        }
+        self.counts.shadow += u64::from(lit.count_ones());
+        self.scene.world.blockers_of(&matte.rays, lit, &mut matte.found);
+        while lit != 0 {
+            let lane = lit.trailing_zeros() as usize % LANES;
+            lit &= lit - 1;
+            let path = &matte.paths[lane];
+            let value = self.clamped(path.depth + 1, get(&matte.value, lane));
+            let sharp = matte.looks.pdf[lane] == f64::INFINITY;
+            let value = match matte.found.best(lane) {
+                None => value,
+                Some(_) if !sharp => continue,
+                Some(hit) => value * self.shadowed(&matte.rays.query(lane), &hit.id),
+            };
+            self.radiances[path.sample as usize].color += value;
+        }
+    }
+}
+
+/// Draws the numbers of all points.
+struct Numbers<'a, I>(&'a mut Matte<I>);
+
+impl<I> Kernel for Numbers<'_, I> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Matte { streams, looks, lobe, chance, .. } = self.0;
+        streams.ahead(0, &mut looks.pick);
+        streams.ahead(1, &mut looks.u);
+        streams.ahead(2, lobe);
+        streams.ahead(3, chance);
+    }
+}
+
+/// Works out what light makes of the surfaces if it arrives, and where the paths go on: a bit for each of which
+/// something is left, and for each that goes on.
+struct Scatter<'a, I> {
+    matte: &'a mut Matte<I>,
+    how: LightSampling,
+}
+
+impl<I> Kernel for Scatter<'_, I> {
+    type Output = [u16; 2];
+
+    #[inline(always)]
+    fn run(self) -> [u16; 2] {
+        let Self { matte, how } = self;
+        let Matte { rays, looks, geometric, albedo, throughput, value, next, density, .. } = matte;
+        let Matte { squeezed, unsure, lobe: [lu, lv], chance: [chance, _], .. } = matte;
+        let (lights, surfaces) = (how == LightSampling::Lights, how == LightSampling::Surfaces);
+        let [dx, dy, dz] = &rays.direction;
+        let ([nx, ny, nz], [gx, gy, gz]) = (&looks.normal, &*geometric);
+        let ([ar, ag, ab], [tr, tg, tb]) = (&*albedo, throughput);
+        let ([sr, sg, sb], pdf) = (&looks.value, &looks.pdf);
+        let [vr, vg, vb] = value;
+        let [ox, oy, oz] = next;
+        let (mut bright, mut going) = ([0.0; LANES], [0.0; LANES]);
+        for i in 0..LANES {
+            let direction = DVec3::new(dx[i], dy[i], dz[i]);
+            let normal = DVec3::new(nx[i], ny[i], nz[i]);
+            let geometric = DVec3::new(gx[i], gy[i], gz[i]);
+            let albedo = Spectrum::new(ar[i], ag[i], ab[i]);
+            let throughput = Spectrum::new(tr[i], tg[i], tb[i]);
+            let source = Spectrum::new(sr[i], sg[i], sb[i]);
+            let cosine = direction.dot(normal);
+            let found = cosine_pdf(cosine);
+            let both = share(pdf[i], found);
+            let weight = if (pdf[i] == f64::INFINITY) | lights {
+                1.0
+            } else if surfaces {
+                0.0
+            } else {
+                both
+            };
+            let value = throughput * (albedo * found) * source * weight;
+            (vr[i], vg[i], vb[i]) = (value.x, value.y, value.z);
+            let ahead = (geometric.dot(direction) > 0.0) & (cosine > 0.0);
+            let most = value.x.max(value.y).max(value.z);
+            bright[i] = if ahead & (most > 0.0) & finite(value) { 1.0 } else { 0.0 };
+        }
+        for i in 0..LANES {
+            let normal = DVec3::new(nx[i], ny[i], nz[i]);
+            let geometric = DVec3::new(gx[i], gy[i], gz[i]);
+            let albedo = Spectrum::new(ar[i], ag[i], ab[i]);
+            let throughput = Spectrum::new(tr[i], tg[i], tb[i]);
+            let wi = raised_disc([lu[i], lv[i]]);
+            let (x, y) = orthonormal_basis(normal);
+            let out = x * wi.x + y * wi.y + normal * wi.z;
+            let throughput = throughput * albedo;
+            let most = throughput.x.max(throughput.y).max(throughput.z);
+            let goes_on = (most / squeezed[i]).min(MOST);
+            let unsure = unsure[i] != 0.0;
+            let survives = !unsure | (chance[i] < goes_on);
+            let divisor = if unsure { goes_on } else { 1.0 };
+            let above = (wi.z > 0.0) & (out.dot(geometric) > 0.0);
+            let on = above & (most > 0.0) & finite(throughput) & survives;
+            let throughput = throughput / divisor;
+            (tr[i], tg[i], tb[i]) = (throughput.x, throughput.y, throughput.z);
+            (ox[i], oy[i], oz[i]) = (out.x, out.y, out.z);
+            density[i] = wi.z * FRAC_1_PI;
+            going[i] = if on { 1.0 } else { 0.0 };
+        }
+        let (mut lit, mut gone) = (0, 0);
+        for i in 0..LANES {
+            lit |= u16::from(bright[i] != 0.0) << i;
+            gone |= u16::from(going[i] != 0.0) << i;
+        }
+        [lit, gone]
+    }
+}
+
+#[inline(always)]
+fn finite(v: DVec3) -> bool {
+    (v.x.abs() < f64::INFINITY) & (v.y.abs() < f64::INFINITY) & (v.z.abs() < f64::INFINITY)
+}
