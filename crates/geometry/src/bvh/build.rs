@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Building from the root down: items are split in two until they are a leaf, and splits are joined to nodes of
-//! eight as they are made.
+//! eight: at the top, where threads share the work, as they are made, the largest first; of few items so that nodes are
+//! fewest, see [`super::collapse`].
 //!
 //! A node knows how many nodes further each of its children is, so that subtrees can be built anywhere, by several
 //! threads, and put one after the other with the same result as by one.
@@ -9,6 +10,7 @@ use dioptric_math::DVec3;
 use rayon::prelude::*;
 
 use super::bins::{Filled, Halves, Verdict, Weighed};
+use super::collapse::{Below, Half, Splits};
 use super::item::{Box32, Item, box_of, item_around, number};
 use super::ray::MARGIN;
 use super::{Bvh, Child, Lanes, MAX_DEPTH, Node, WIDTH};
@@ -21,10 +23,11 @@ const MAX_LEAF: usize = Child::MAX_COUNT;
 const VISIT_COST: f32 = 1.5;
 /// Below this many items a second thread costs more than it saves.
 const PARALLEL: usize = 4096;
-/// From so many items on, the subtrees of a node are built by several threads.
+/// From so many items on, the subtrees of a node are built by several threads, and nodes are made of the largest parts.
 const MANY: usize = 1 << 15;
-/// A guess, and no more.
+/// Guesses, and no more.
 const ITEMS_PER_NODE: usize = 24;
+const ITEMS_PER_SPLIT: usize = 6;
 /// More items than this are split ahead by several threads.
 const AHEAD: usize = 1 << 16;
 
@@ -100,7 +103,7 @@ fn around_all(items: &[Item]) -> (Box32, Box32) {
 }
 
 /// A range of items that becomes a subtree.
-struct Range<'a> {
+pub(super) struct Range<'a> {
     items: &'a mut [Item],
     /// Where `items` begins among all.
     first: u32,
@@ -112,7 +115,7 @@ struct Range<'a> {
 }
 
 /// A part of the tree.
-enum Part<'a> {
+pub(super) enum Part<'a> {
     /// Not looked at yet.
     Range(Range<'a>),
     /// Two halves, and the box around them.
@@ -122,11 +125,11 @@ enum Part<'a> {
 }
 
 /// The parts of a node; those that are missing have boxes that no ray enters.
-type Parts<'a> = [Part<'a>; WIDTH];
+pub(super) type Parts<'a> = [Part<'a>; WIDTH];
 
 impl Part<'_> {
     /// What is missing.
-    const NONE: Self = Self::Leaf(Box32::EMPTY, Child::leaf(0, 1));
+    pub const NONE: Self = Self::Leaf(Box32::EMPTY, Child::leaf(0, 1));
 
     const fn take(&mut self) -> Self {
         std::mem::replace(self, Self::NONE)
@@ -157,7 +160,7 @@ impl Part<'_> {
     }
 
     /// The child that a leaf is.
-    const fn child(&self) -> Child {
+    pub const fn child(&self) -> Child {
         match self {
             Self::Leaf(_, child) => *child,
             _ => Child::leaf(0, 1),
@@ -283,8 +286,42 @@ impl Builder {
         parts
     }
 
+    /// Adds the nodes of two halves with few items; returns how deep they are.
+    fn join(&self, halves: [Part; 2], nodes: &mut Vec<Node>, filled: &mut Filled) -> usize {
+        let items = halves[0].items() + halves[1].items();
+        let bounds = halves[0].bounds().union(*halves[1].bounds());
+        let mut splits = Splits::new(items / ITEMS_PER_SPLIT, &bounds);
+        match self.split_all(bounds, halves, &mut splits, filled) {
+            Below::Split(index) => splits.join(index, nodes),
+            Below::Leaf(_) => 0,
+        }
+    }
+
+    /// Splits two halves all the way down.
+    fn split_all(
+        &self,
+        bounds: Box32,
+        [a, b]: [Part; 2],
+        splits: &mut Splits,
+        filled: &mut Filled,
+    ) -> Below {
+        let mut half = |part: Part| {
+            let bounds = *part.bounds();
+            let below = match self.split(part, filled) {
+                Ok(halves) => self.split_all(bounds, halves, splits, filled),
+                Err(leaf) => Below::Leaf(leaf.child()),
+            };
+            Half { bounds, below }
+        };
+        let halves = [half(a), half(b)];
+        splits.add(&bounds, halves)
+    }
+
     /// Adds the node of two halves, each child followed by its own subtree; returns how deep it is.
     fn add(&self, halves: [Part; 2], nodes: &mut Vec<Node>, filled: &mut Filled) -> usize {
+        if halves[0].items() + halves[1].items() < MANY {
+            return self.join(halves, nodes, filled);
+        }
         let parts = self.open(halves, filled);
         let (index, mut deepest) = (nodes.len(), 0);
         let mut node = node(&parts);
@@ -336,7 +373,7 @@ impl Builder {
 }
 
 /// A node without its children; their boxes.
-fn node(parts: &Parts) -> Node {
+pub(super) fn node(parts: &Parts) -> Node {
     let mut node = Node { planes: [[0.0; WIDTH]; 6], children: [Child::default(); WIDTH] };
     for (lane, part) in parts.iter().enumerate() {
         let bounds = part.bounds();

@@ -12,6 +12,7 @@ pub(crate) mod balls;
 #[allow(unsafe_code)]
 mod bins;
 pub(crate) mod build;
+mod collapse;
 pub(crate) mod item;
 #[allow(unsafe_code)]
 pub(crate) mod lanes;
