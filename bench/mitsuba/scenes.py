@@ -181,7 +181,7 @@ def fog():
     block = t.translate([-0.05, -0.375, -0.15]) @ t.scale([0.75, 0.525, 0.65])
     cloud = inside((8, 8, 8), (0, 0, 0), -0.2)
     return room() | {
-        "integrator": {"type": "volpathmis", "max_depth": 12},
+        "integrator": {"type": "volpathmis", "max_depth": -1, "rr_depth": 30},
         "block": {"type": "cube", "to_world": block} | inside((0.9, 1.2, 1.2), (0.1, 0.3, 0.8), 0.5),
         "ball": ball((-0.2, -0.5, 0), 0.3, matte(0.75, 0.75, 0.75)),
         "cloud": ball((0.35, 0.5, -0.3), 0.3, **cloud),

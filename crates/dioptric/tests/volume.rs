@@ -61,15 +61,14 @@ fn white_media_vanish_in_a_white_space() {
         ),
     ] {
         for how in ["both", "lights", "surfaces"] {
-            let settings =
-                paths(12, 128, &format!(", bounces = 10000, light_sampling = \"{how}\""));
+            let settings = paths(8, 100, &format!(", bounces = 10000, light_sampling = \"{how}\""));
             let text = format!(
                 "{settings}camera(eye = (0, 0, 5), fov = 20)\nbackground(1)\n{more}\n\
                  sphere(center = (0, 0, 0), radius = 1, material = {material})"
             );
             let (got, error) = mean(&text);
             for lane in 0..3 {
-                assert!(error[lane] < 0.03 || how != "both", "{material} {how}: {error:?}");
+                assert!(error[lane] < 0.06 || how != "both", "{material} {how}: {error:?}");
                 assert!(
                     (got[lane] - 1.0).abs() < 4.0 * error[lane] + 0.002,
                     "{material} {how}: {got:?} {error:?}"
@@ -128,8 +127,8 @@ fn phase(g: f64, cos: f64) -> f64 {
 
 /// What a line sees of a light without a size by one turn, by Simpson's rule... by plain sums that are fine enough.
 fn single(light: [f64; 3], k: f64, s: f64, g: f64, lit: impl Fn([f64; 3]) -> f64) -> f64 {
-    let n = 400_000;
-    let (far, mut sum) = (60.0, 0.0);
+    let n = 200_000;
+    let (far, mut sum) = (30.0, 0.0);
     for i in 0..n {
         let t = (f64::from(i) + 0.5) / f64::from(n) * far;
         let p = [0.0, 0.0, 5.0 - t];
@@ -217,13 +216,16 @@ fn deep_media_are_as_a_plain_random_walk_says() {
     for (k, albedo, g) in [(1.0, 0.5, 0.0), (5.0, 0.95, 0.0), (10.0, 0.9, 0.8), (20.0, 0.99, 0.0)] {
         let (expected, own) = walk(k, albedo, g, 40_000);
         let (s, a) = (k * albedo, k * (1.0 - albedo));
-        for how in ["both", "surfaces"] {
+        // Glass that bends nothing is a volume, too.
+        for (how, thing) in
+            [("both", "volume("), ("surfaces", "volume("), ("both", "glass(ior = 1, ")]
+        {
             let text = format!(
-                "{}{LINE}background(1)\nsphere(center = (0, 0, 0), radius = 1, material = volume(scattering = {s}, absorption = {a}, anisotropy = {g}))",
-                paths(8, 512, &format!(", bounces = 10000, light_sampling = \"{how}\""))
+                "{}{LINE}background(1)\nsphere(center = (0, 0, 0), radius = 1, material = {thing}scattering = {s}, absorption = {a}, anisotropy = {g}))",
+                paths(8, 200, &format!(", bounces = 10000, light_sampling = \"{how}\""))
             );
             let (got, error) = mean(&text);
-            assert!(error[0] < 0.02 * expected, "{k}: {error:?}");
+            assert!(error[0] < 0.03 * expected, "{k}: {error:?}");
             let limit = 4.0 * (error[0] * error[0] + own * own).sqrt();
             assert_near(got, [expected; 3], limit);
         }

@@ -34,6 +34,7 @@ pub mod source;
 pub mod stats;
 pub mod texture;
 pub mod vocabulary;
+pub mod wavelength;
 pub mod why;
 
 pub use film::{Film, FirstHit, Radiance};

@@ -121,6 +121,10 @@ pub struct Insides {
     pub scatter: bool,
     /// Has a surface that does nothing.
     pub borders: bool,
+    /// Bends each wavelength by its own angle.
+    pub disperse: bool,
+    /// Counts more than others where they overlap.
+    pub overlap: bool,
 }
 
 impl Insides {
@@ -131,6 +135,8 @@ impl Insides {
         Self {
             scatter: surroundings.scattering.is_some() || any(|i| i.scattering.is_some()),
             borders: any(|i| i.border),
+            disperse: any(|i| i.dispersion.is_some()),
+            overlap: any(|i| i.priority != 0),
         }
     }
 }

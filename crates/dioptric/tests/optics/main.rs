@@ -8,6 +8,7 @@ mod glass;
 mod invariance;
 mod mesh;
 mod mirror;
+mod overlap;
 mod parts;
 mod shadow;
 #[path = "../support/mod.rs"]

@@ -37,7 +37,8 @@ pub(super) fn around_camera(scene: &Scene) -> Vec<Medium> {
         };
         ior = inner;
         let absorption = scene.extinction(hit.id, absorption);
-        around.push(Medium { object: hit.id, ior, absorption });
+        let priority = scene.interior(hit.id).priority;
+        around.push(Medium { object: hit.id, ior, absorption, priority });
     }
     around
 }

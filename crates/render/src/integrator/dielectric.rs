@@ -27,8 +27,15 @@ impl<R: Recorder> Whitted<'_, '_, R> {
         let solid = point.is_solid(self.scene);
         // Light of its own (highlights) and tints are met on the outside; a pane has two outsides.
         let outside = point.outside || !solid;
-        self.nodes[met.node].own = met.own;
         let sides = self.media.sides(inside, medium, point.outside, solid);
+        if self.media.is_hidden(&sides, medium, point.outside) {
+            self.recorder.note(id, "hidden", || json!("by a thing of a higher priority"));
+            self.recorder.scale(id, "hidden", Spectrum::ZERO);
+            let leg = point.on(point.ray.direction);
+            self.follow(met, 1, RayKind::Transmitted, leg, Spectrum::ONE, sides.far);
+            return;
+        }
+        self.nodes[met.node].own = met.own;
         let eta = sides.eta();
         let d = point.ray.direction;
         let through = if solid { point.refracted(facet, eta) } else { Some(d) };

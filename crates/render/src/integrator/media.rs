@@ -15,9 +15,11 @@ pub struct Medium {
     pub ior: f64,
     /// What it absorbs per unit of the file.
     pub absorption: Spectrum,
+    /// Of media that overlap the one of the highest priority is there, among equal ones the one entered last.
+    pub priority: i32,
 }
 
-/// The innermost object around a ray, as its place in the [`Media`] of the sample; `None` outside of
+/// The innermost object (of those with the highest priority) around a ray, as its place in the [`Media`] of the sample; `None` outside of
 /// all. Rays of one tree share the list, so that a ray carries one number.
 pub type Inside = Option<u32>;
 
@@ -90,8 +92,14 @@ impl Media {
         }
     }
 
-    /// With one more object around the ray.
+    /// With one more object around the ray: below those of a higher priority.
     pub fn enter(&mut self, inside: Inside, medium: Medium) -> Inside {
+        if let Some(&(top, outer)) =
+            self.entry(inside).filter(|(m, _)| m.priority > medium.priority)
+        {
+            let below = self.enter(outer, medium);
+            return self.enter(below, top);
+        }
         self.nested.push((medium, inside));
         Some(self.nested.len() as u32 - 1)
     }
@@ -121,11 +129,26 @@ impl Media {
         let outer = self.leave(inside, object);
         if outside {
             let far = self.enter(outer, *medium);
-            return Sides { ior: [self.ior(outer), medium.ior], near: outer, far };
+            return Sides { ior: [self.ior(outer), self.ior(far)], near: outer, far };
         }
         // An object that the ray is not known to have entered is left all the same.
         let near = if self.contains(inside, object) { inside } else { self.enter(inside, *medium) };
         Sides { ior: [self.ior(near), self.ior(outer)], near, far: outer }
+    }
+
+    /// Whether a solid's surface is not there: something of a higher priority is on both of its sides.
+    #[must_use]
+    pub fn is_hidden(&self, sides: &Sides, medium: &Medium, outside: bool) -> bool {
+        let within = if outside { sides.far } else { sides.near };
+        sides.near != sides.far
+            && self.top(within).is_some_and(|top| top.priority > medium.priority)
+    }
+
+    /// The same objects with other indices of refraction.
+    pub fn with_indices(&mut self, inside: Inside, index: &impl Fn(&Medium) -> f64) -> Inside {
+        let &(medium, outer) = self.entry(inside)?;
+        let outer = self.with_indices(outer, index);
+        self.enter(outer, Medium { ior: index(&medium), ..medium })
     }
 
     fn entry(&self, inside: Inside) -> Option<&(Medium, Inside)> {
@@ -149,7 +172,8 @@ mod tests {
     use super::*;
 
     fn medium(object: u32, ior: f64) -> Medium {
-        Medium { object: HitId { instance: 0, object, part: 0 }, ior, absorption: Spectrum::ZERO }
+        let object = HitId { instance: 0, object, part: 0 };
+        Medium { object, ior, absorption: Spectrum::ZERO, priority: 0 }
     }
 
     #[test]
@@ -167,6 +191,30 @@ mod tests {
         assert_eq!(after(&[3]), 1.33);
         assert_eq!(after(&[1, 2]), 1.0);
         assert_eq!(after(&[2, 1]), 1.0);
+    }
+
+    #[test]
+    fn the_highest_priority_is_there_in_whatever_order_things_are_entered() {
+        let mut media = Media::new(1.0);
+        let glass = Medium { priority: 2, ..medium(1, 1.5) };
+        let water = Medium { priority: 1, ..medium(2, 1.33) };
+        let ice = Medium { priority: 3, ..medium(3, 1.31) };
+        // Into the glass, into the water within its wall, out of the glass, out of the water.
+        let wall = media.sides(None, &glass, true, true);
+        assert!(wall.ior == [1.0, 1.5] && !media.is_hidden(&wall, &glass, true));
+        let within = media.sides(wall.far, &water, true, true);
+        assert!(within.ior == [1.5, 1.5] && media.is_hidden(&within, &water, true));
+        let inner = media.sides(within.far, &glass, false, true);
+        assert!(inner.ior == [1.5, 1.33] && !media.is_hidden(&inner, &glass, false));
+        let top = media.sides(inner.far, &water, false, true);
+        assert!(top.ior == [1.33, 1.0] && !media.is_hidden(&top, &water, false));
+        // Out of the water first, within the ice.
+        let all = [water, ice, glass].iter().fold(None, |i, &m| media.enter(i, m));
+        assert_eq!(media.ior(all), 1.31);
+        let hidden = media.sides(all, &water, false, true);
+        assert!(hidden.ior == [1.31, 1.31] && media.is_hidden(&hidden, &water, false));
+        let left = media.leave(hidden.far, &ice.object);
+        assert_eq!(media.ior(left), 1.5);
     }
 
     #[test]

@@ -47,7 +47,8 @@ impl<R: Recorder> Whitted<'_, '_, R> {
     ) {
         let point = &met.point;
         let id = met.way.id;
-        let medium = Medium { object: point.hit.id, ior, absorption };
+        let priority = self.scene.interior(point.hit.id).priority;
+        let medium = Medium { object: point.hit.id, ior, absorption, priority };
         let solid = point.is_solid(self.scene);
         if solid && !point.outside {
             // From within (the camera is inside, or an object in there sent the ray): only the exit is left.

@@ -294,7 +294,9 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
                 self.through_by_shares(met, own, ior, tint, absorption);
             }
             Optics::Dielectric { ior, reflect, transmit, absorption, roughness } => {
-                let medium = Medium { object: met.point.hit.id, ior, absorption };
+                let object = met.point.hit.id;
+                let priority = self.scene.interior(object).priority;
+                let medium = Medium { object, ior, absorption, priority };
                 let how = Dielectric { reflect, transmit, roughness };
                 self.dielectric(met, &medium, how);
             }

@@ -5,6 +5,7 @@ use dioptric_math::Spectrum;
 use dioptric_scene::{Args, Default, Diagnostic, Param, Type};
 
 use super::shared::coefficients;
+use crate::wavelength::Cauchy;
 
 /// `scattering`.
 pub(crate) const SCATTERING: Param = Param::new(
@@ -22,6 +23,15 @@ pub(crate) const ANISOTROPY: Param = Param::new(
     Default::Number(0.0),
     "Where it is scattered to, as the mean cosine of the angle by which it is turned (Henyey and Greenstein's g): \
      0 all round, towards 1 ahead, as haze and milk do, below 0 back.",
+);
+
+/// `priority`.
+pub(crate) const PRIORITY: Param = Param::new(
+    "priority",
+    Type::Integer { min: -1_000_000, max: 1_000_000 },
+    Default::Number(0.0),
+    "Where it overlaps with others, the inside of the highest priority is there; among equal ones, of the one that \
+     light entered last.",
 );
 
 /// A medium that scatters, the same everywhere.
@@ -52,9 +62,13 @@ pub struct Interior {
     pub scattering: Option<Scattering>,
     /// Whether its surface does nothing at all: only the inside is there.
     pub border: bool,
+    /// How its index of refraction depends on the wavelength.
+    pub dispersion: Option<Cauchy>,
+    /// Of things that overlap, whose inside is there.
+    pub priority: i32,
 }
 
 impl Interior {
     /// Of things whose surface is all that counts, and of clear ones.
-    pub const PLAIN: Self = Self { scattering: None, border: false };
+    pub const PLAIN: Self = Self { scattering: None, border: false, dispersion: None, priority: 0 };
 }

@@ -19,6 +19,7 @@ pub(crate) use shared::absorption;
 mod battery;
 pub mod clear;
 pub mod glass;
+mod glasses;
 pub mod glow;
 mod highlight;
 mod interior;

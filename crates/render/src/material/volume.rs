@@ -4,7 +4,7 @@
 use dioptric_math::Spectrum;
 use dioptric_scene::{Args, Category, Diagnostic, Schema};
 
-use super::interior::{ANISOTROPY, Interior, SCATTERING, Scattering};
+use super::interior::{ANISOTROPY, Interior, PRIORITY, SCATTERING, Scattering};
 use super::shared::{ABSORPTION, absorption};
 use super::{Finish, Material, Optics};
 use crate::build::Builder;
@@ -15,6 +15,7 @@ use crate::pattern::PatternPoint;
 pub struct Volume {
     absorption: Spectrum,
     scattering: Option<Scattering>,
+    priority: i32,
 }
 
 static SCHEMA: Schema = Schema {
@@ -32,7 +33,7 @@ static SCHEMA: Schema = Schema {
           the sky and the sun shine through; `medium(scattering = ...)` is one that never ends.\n\n\
           Whitted's pictures do not scatter: they show the absorption only, and take it for a surface that casts\n\
           the shadow of a clear thing.",
-    params: &[SCATTERING, ABSORPTION, ANISOTROPY],
+    params: &[SCATTERING, ABSORPTION, ANISOTROPY, PRIORITY],
     example: "# In Whitted's model, as here, only absorption shows; see the manual's page on paths.\n\
               sphere(center = (0, 1, 0), radius = 1, material = volume(scattering = 2, absorption = (0.2, 0.5, 0.9)))",
 };
@@ -41,7 +42,11 @@ impl Material for Volume {
     const SCHEMA: &'static Schema = &SCHEMA;
 
     fn from_args(args: &Args, _: &mut Builder) -> Result<Self, Diagnostic> {
-        Ok(Self { absorption: absorption(args)?, scattering: Scattering::from_args(args)? })
+        Ok(Self {
+            absorption: absorption(args)?,
+            scattering: Scattering::from_args(args)?,
+            priority: args.integer("priority")? as i32,
+        })
     }
 
     fn finish(&self, _: &PatternPoint) -> Finish {
@@ -62,7 +67,8 @@ impl Material for Volume {
     }
 
     fn interior(&self) -> Interior {
-        Interior { scattering: self.scattering, border: true }
+        let Self { scattering, priority, .. } = *self;
+        Interior { scattering, border: true, priority, ..Interior::PLAIN }
     }
 }
 
@@ -80,10 +86,11 @@ mod tests {
         ])
         .unwrap();
         let scattering = Scattering { coefficient: Spectrum::new(1.0, 0.0, 2.0), mean_cosine: 0.7 };
-        assert_eq!(smoke.interior(), Interior { scattering: Some(scattering), border: true });
+        let expected = |scattering| Interior { scattering, border: true, ..Interior::PLAIN };
+        assert_eq!(smoke.interior(), expected(Some(scattering)));
         assert_eq!(smoke.finish(&point()).shadow_pass, Spectrum::ONE);
         let clear = build::<Volume>(&[]).unwrap();
-        assert_eq!(clear.interior(), Interior { scattering: None, border: true });
+        assert_eq!(clear.interior(), expected(None));
     }
 
     #[test]

@@ -69,6 +69,8 @@ struct Path<I> {
     /// How far its line has come, through borders that do nothing, before its ray begins; and through how many.
     walked: f64,
     borders: u32,
+    /// In micrometres, once it has met what bends each wavelength by its own angle; before, 0 for all together.
+    wavelength: f64,
     stream: Stream,
     trail: Trail,
 }
@@ -166,6 +168,7 @@ impl<'a, 'r, R: Recorder> Paths<'a, 'r, R> {
             depth: 0,
             walked: 0.0,
             borders: 0,
+            wavelength: 0.0,
             stream,
             trail: Trail::default(),
         });

@@ -20,6 +20,7 @@ use crate::sampling::stream::Stream;
 use crate::scene::{Answer, Scene};
 use crate::setting::render::LightSampling;
 use crate::source::shining;
+use crate::wavelength;
 
 /// Bounces before chance may end a path.
 pub(super) const SURE: u32 = 3;
@@ -57,6 +58,8 @@ struct Vertex<'a, 'b> {
     bsdf: &'b Bsdf,
     sides: Sides,
     solid: bool,
+    /// Whether it is not there, by the priorities of things that overlap.
+    hidden: bool,
 }
 
 /// The share of the first of two ways to find the same light, by their densities: the power heuristic with exponent 2
@@ -179,7 +182,7 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
         // The ray after the last bounce brings only what shines by itself: the other half of direct light.
         let (goes_on, finish) = if way.through.is_none() {
             (round.go_on(way.turned), point.finish)
-        } else if path.depth > scene.settings.bounces {
+        } else if path.depth > scene.settings.bounces && !scene.insides.overlap {
             self.recorder.note(path.id, "ended", || json!("at the limit of bounces"));
             (false, point.finish)
         } else if point.finish.is_matte() && self.in_lanes(&path) {
@@ -190,8 +193,21 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
             (true, point.finish)
         } else {
             path.throughput /= way.through.unwrap_or(1.0);
+            if scene.insides.disperse && path.wavelength == 0.0 {
+                self.disperse(&mut path, &point);
+            }
             let vertex = self.vertex(&path, point, bsdf);
-            (self.scatter(&path, &vertex, round), vertex.point.finish)
+            let goes_on = if vertex.hidden {
+                // No question comes through what seems to be there.
+                path.density = f64::INFINITY;
+                round.go_on(Self::go_on(&path, &vertex.point, vertex.sides.far))
+            } else if path.depth > scene.settings.bounces {
+                self.recorder.note(path.id, "ended", || json!("at the limit of bounces"));
+                false
+            } else {
+                self.scatter(&path, &vertex, round)
+            };
+            (goes_on, vertex.point.finish)
         };
         if let Answer::Here(answer) = finish {
             round.spare.push(answer);
@@ -284,27 +300,58 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
         bsdf: &'b mut Bsdf,
     ) -> Vertex<'a, 'b> {
         let solid = point.is_solid(self.scene);
-        let sides = match point.finish.optics {
+        let (sides, hidden) = match point.finish.optics {
             Optics::Dielectric { ior, absorption, .. } => {
-                let medium = Medium { object: point.hit.id, ior, absorption };
-                self.media.sides(path.inside, &medium, point.outside, solid)
+                let medium = self.medium(path, &point, ior, absorption);
+                let sides = self.media.sides(path.inside, &medium, point.outside, solid);
+                (sides, self.media.is_hidden(&sides, &medium, point.outside))
             }
             // Its index is relative to what is around it.
             Optics::Shares { ior, absorption, .. } => {
                 let outer = self.media.leave(path.inside, &point.hit.id);
                 let ior = ior * self.media.ior(outer);
-                let medium = Medium { object: point.hit.id, ior, absorption };
-                self.media.sides(path.inside, &medium, point.outside, solid)
+                let medium = self.medium(path, &point, ior, absorption);
+                (self.media.sides(path.inside, &medium, point.outside, solid), false)
             }
             Optics::Opaque | Optics::Mirror { .. } => {
-                Sides { ior: [1.0; 2], near: path.inside, far: path.inside }
+                (Sides { ior: [1.0; 2], near: path.inside, far: path.inside }, false)
             }
         };
         let frame = Frame::new(point.normal);
         let wo = frame.to_local(-point.ray.direction);
         let seen = bsdf::Sides { eta: sides.eta(), outside: point.outside || !solid, solid };
         bsdf.set(&point.finish, &seen, wo);
-        Vertex { point, frame, wo, bsdf, sides, solid }
+        Vertex { point, frame, wo, bsdf, sides, solid, hidden }
+    }
+
+    /// The inside of what a path has met, for its wavelength.
+    fn medium(&self, path: &Path<R::Id>, point: &Point, ior: f64, absorption: Spectrum) -> Medium {
+        let object = point.hit.id;
+        let interior = self.scene.interior(object);
+        let ior = match interior.dispersion {
+            Some(cauchy) if path.wavelength > 0.0 => cauchy.ior(path.wavelength),
+            _ => ior,
+        };
+        let absorption = self.scene.extinction(object, absorption);
+        Medium { object, ior, absorption, priority: interior.priority }
+    }
+
+    /// Picks a wavelength for a path that has met something which bends each by its own angle.
+    fn disperse(&mut self, path: &mut Path<R::Id>, point: &Point) {
+        let scene = self.scene;
+        let bends = matches!(point.finish.optics, Optics::Dielectric { .. });
+        if !bends || scene.interior(point.hit.id).dispersion.is_none() {
+            return;
+        }
+        let (wavelength, weight) = wavelength::pick(path.throughput, path.stream.next_1d());
+        path.wavelength = wavelength;
+        path.throughput *= weight;
+        // What the camera is in was entered without one.
+        path.inside = self.media.with_indices(path.inside, &|medium| {
+            let dispersion = scene.interior(medium.object).dispersion;
+            dispersion.map_or(medium.ior, |cauchy| cauchy.ior(wavelength))
+        });
+        self.recorder.note(path.id, "wavelength", || json!(wavelength * 1e3));
     }
 
     /// Asks a source, and sends the path on unless chance ends it; whether it goes on.

@@ -290,17 +290,26 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
         Some((next, Query::new(ray, f64::INFINITY, None, Contacts::CROSSED)))
     }
 
-    /// Takes a path through a border that does nothing, if that is what it met.
+    /// Takes a path through a border that does nothing.
     pub(super) fn cross_border(
         &mut self,
         path: &Path<R::Id>,
         point: &Point<'a>,
     ) -> Option<(Path<R::Id>, Query)> {
+        let inside = self.beyond_border(path.inside, point, point.outside);
+        Self::go_on(path, point, inside)
+    }
+
+    /// Straight on, with this around.
+    pub(super) fn go_on(
+        path: &Path<R::Id>,
+        point: &Point<'a>,
+        inside: Inside,
+    ) -> Option<(Path<R::Id>, Query)> {
         if path.borders >= MOST_BORDERS {
             return None;
         }
         let leg = point.on(point.ray.direction);
-        let inside = self.beyond_border(path.inside, point, point.outside);
         let walked = path.walked + point.hit.t;
         let next = Path { inside, walked, borders: path.borders + 1, ..*path };
         Some((next, leg.query(f64::INFINITY)))
@@ -317,9 +326,10 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
         if !into {
             return outer;
         }
-        let absorption = self.scene.extinction(object, absorption);
-        let ior = self.media.ior(outer);
-        self.media.enter(outer, Medium { object, ior, absorption })
+        let scene = self.scene;
+        let absorption = scene.extinction(object, absorption);
+        let (ior, priority) = (self.media.ior(outer), scene.interior(object).priority);
+        self.media.enter(outer, Medium { object, ior, absorption, priority })
     }
 
     /// What of a source comes through borders that do nothing, and the media between them.
