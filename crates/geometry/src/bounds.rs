@@ -73,7 +73,8 @@ impl Bounds {
     }
 }
 
-/// The mean of the middles of boxes: near to most of them, wherever a huge one among them has its own.
+/// Where a tree over boxes has its origin: in the middle of them all, or where most of them are, if that is far from there
+/// because of a huge one.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Middle {
     sum: DVec3,
@@ -96,13 +97,37 @@ impl Middle {
         Self { sum: self.sum + other.sum, count: self.count + other.count }
     }
 
-    /// The mean, for boxes within `bounds`; 0 without any.
+    /// The place for boxes within `bounds`; 0 without any.
     pub fn of(&self, bounds: &Bounds) -> DVec3 {
-        let mean = self.sum / self.count;
-        match bounds.is_empty() {
-            true => DVec3::ZERO,
-            false if mean.is_finite() => mean,
-            false => bounds.center(),
+        if bounds.is_empty() {
+            return DVec3::ZERO;
         }
+        let (mean, middle) = (self.sum / self.count, bounds.center());
+        // False where the sum is too large for a number.
+        let far = (mean - middle).abs().max_element() > 0.25 * bounds.size().max_element();
+        if far && mean.is_finite() { mean } else { middle }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn trees_begin_where_most_boxes_are() {
+        let around = |boxes: &[Bounds]| {
+            let mut middle = Middle::NONE;
+            boxes.iter().for_each(|b| middle.add(b));
+            middle.of(&boxes.iter().fold(Bounds::EMPTY, |all, b| all.union(*b)))
+        };
+        let cube =
+            |x: f64, half: f64| Bounds { min: DVec3::X * x - half, max: DVec3::X * x + half };
+        let mut boxes: Vec<_> = (0..100).map(|i| cube(f64::from(i), 0.5)).collect();
+        boxes.push(cube(100.0, 0.5));
+        assert_eq!(around(&boxes), DVec3::X * 50.0);
+        boxes.push(cube(-1e6, 1e6));
+        assert!((around(&boxes).x + 1e6 / 102.0).abs() < 100.0);
+        assert_eq!(around(&[cube(1e308, 1.0), cube(1e308, 1.0)]), DVec3::X * 1e308);
+        assert_eq!(around(&[]), DVec3::ZERO);
     }
 }
