@@ -152,6 +152,17 @@ impl<'a> Builder<'a> {
         }
     }
 
+    /// Three lanes of data: constant or pattern. Nothing is decoded.
+    ///
+    /// # Errors
+    /// They are missing or wrong.
+    pub fn data(&mut self, args: &Args, name: &str) -> Result<ColorInput, Diagnostic> {
+        let reading = std::mem::replace(&mut self.reading, ColorReading::Raw);
+        let data = self.color(args, name);
+        self.reading = reading;
+        data
+    }
+
     /// A colour that cannot vary, in linear light.
     ///
     /// # Errors

@@ -7,10 +7,10 @@
 //! happens at poles). The gradient is a central difference: the shape is asked for the surface a
 //! small step away, so that point, uv and normals of the displaced point all fit together.
 
-use dioptric_geometry::AnyShape;
+use dioptric_geometry::{AnyShape, LocalSurface};
 use dioptric_math::{DMat3, DVec3, normalize, orthonormal_basis};
 
-use crate::material::Bump;
+use crate::material::{Bump, Relief};
 use crate::pattern::PatternPoint;
 
 /// The step as a share of the surface's size: small against what patterns show, large against rounding.
@@ -37,9 +37,40 @@ pub fn perturbed_normal(
     part: u32,
     to_file: &DMat3,
     point: &PatternPoint,
-    bump: &Bump,
+    relief: &Relief,
 ) -> DVec3 {
     let own = shape.surface(point.object, part);
+    let mut normal = own.shading_normal;
+    if !relief.bumps.is_empty() {
+        normal = displaced(shape, part, to_file, point, &relief.bumps, &own);
+    }
+    if let Some(map) = relief.normals {
+        normal = turned(normal, &own, map.lanes.eval(point), map.strength);
+    }
+    towards(normal, own.normal)
+}
+
+/// A normal bent by a map's texel: its lanes are the parts along the directions in which u and v grow, at right
+/// angles to the normal, and along the normal itself (as in glTF 2.0, section 3.9.3; where u and v grow along the
+/// surface's edges the directions are those of MikkTSpace).
+fn turned(normal: DVec3, own: &LocalSurface, texel: DVec3, strength: f64) -> DVec3 {
+    let along = texel * 2.0 - 1.0;
+    let Some(u) = normalize(own.dpdu - normal * own.dpdu.dot(normal)) else { return normal };
+    let v = normal.cross(u);
+    let v = if v.dot(own.dpdv) < 0.0 { -v } else { v };
+    let bent = u * (along.x * strength) + v * (along.y * strength) + normal * along.z;
+    normalize(bent).filter(|n| n.is_finite()).unwrap_or(normal)
+}
+
+/// The normal over heights.
+fn displaced(
+    shape: &AnyShape,
+    part: u32,
+    to_file: &DMat3,
+    point: &PatternPoint,
+    bumps: &[&Bump],
+    own: &LocalSurface,
+) -> DVec3 {
     let normal = own.shading_normal;
     let (t, b) = orthonormal_basis(normal);
     let normals_to_file = to_file.inverse().transpose();
@@ -52,7 +83,7 @@ pub fn perturbed_normal(
         let far = STEP_OVER_ROUNDING * point.world.abs().max_element();
         let far = if stretch > 0.0 { far / stretch } else { 0.0 };
         let step = (STEP * size).max(rounding).max(far);
-        let height = |distance: f64| {
+        let height = |bump: &Bump, distance: f64| {
             let s = shape.surface(point.object + direction * distance, part);
             bump.height.eval(&PatternPoint {
                 object: s.point,
@@ -61,9 +92,13 @@ pub fn perturbed_normal(
                 object_normal: s.normal,
                 world_normal: normalize(normals_to_file * s.shading_normal)
                     .unwrap_or(point.world_normal),
+                lot: point.lot,
             })
         };
-        bump.scale * (height(step) - height(-step)) / (2.0 * step)
+        let slopes = bumps
+            .iter()
+            .map(|bump| bump.scale * (height(bump, step) - height(bump, -step)) / (2.0 * step));
+        slopes.sum::<f64>()
     };
     let gradient = t * slope(t) + b * slope(b);
     let steepness = gradient.length();
@@ -71,8 +106,7 @@ pub fn perturbed_normal(
         return normal;
     }
     let gradient = if steepness > STEEPEST { gradient * (STEEPEST / steepness) } else { gradient };
-    let bumped = normalize(normal - gradient).unwrap_or(normal);
-    towards(bumped, own.normal)
+    normalize(normal - gradient).unwrap_or(normal)
 }
 
 /// A unit vector that is turned to the side of a normal if it was not there.
@@ -101,6 +135,10 @@ mod tests {
         Bump { height: NumberInput::Pattern(Arc::new(bench.build(id).unwrap())), scale }
     }
 
+    fn of(bump: &Bump) -> Relief<'_> {
+        Relief { bumps: vec![bump], normals: None }
+    }
+
     fn sphere(center: DVec3, radius: f64) -> AnyShape {
         AnyShape::Sphere(Sphere::new(center, radius))
     }
@@ -114,6 +152,7 @@ mod tests {
             uv: s.uv,
             object_normal: s.normal,
             world_normal: s.normal,
+            lot: 0.5,
         }
     }
 
@@ -154,7 +193,7 @@ mod tests {
             let ball = sphere(center, scale);
             for d in directions(200) {
                 let point = point_of(&ball, center + d * scale, &DMat3::IDENTITY);
-                let got = perturbed_normal(&ball, 0, &DMat3::IDENTITY, &point, &radial);
+                let got = perturbed_normal(&ball, 0, &DMat3::IDENTITY, &point, &of(&radial));
                 let gradient = normalize(point.object - c).unwrap() * 0.3;
                 let error = (got - expected(d, gradient)).length();
                 assert!(error < 1e-5, "scale {scale}, at {d}: {error}");
@@ -172,7 +211,7 @@ mod tests {
         for d in directions(100).filter(|d| d.y.abs() < 0.95 && (d.x.abs() > 0.1 || d.z > 0.0)) {
             let s = ball.surface(d * 2.0, 0);
             let point = point_of(&ball, d * 2.0, &DMat3::IDENTITY);
-            let got = perturbed_normal(&ball, 0, &DMat3::IDENTITY, &point, &over_u);
+            let got = perturbed_normal(&ball, 0, &DMat3::IDENTITY, &point, &of(&over_u));
             let gradient = s.dpdu * (0.05 / s.dpdu.length_squared());
             assert!((got - expected(d, gradient)).length() < 1e-6, "{d}");
         }
@@ -198,7 +237,7 @@ mod tests {
         let ball = sphere(DVec3::ZERO, 2.0);
         for d in directions(60).filter(|d| d.x.abs() < 0.8) {
             let point = point_of(&ball, d * 2.0, &DMat3::IDENTITY);
-            let got = perturbed_normal(&ball, 0, &DMat3::IDENTITY, &point, &asin);
+            let got = perturbed_normal(&ball, 0, &DMat3::IDENTITY, &point, &of(&asin));
             // h = 0.1 (asin(x / r) / pi + 1/2).
             let slope = 0.1 / std::f64::consts::PI / (1.0 - d.x * d.x).sqrt() / 2.0;
             assert!((got - expected(d, DVec3::X * slope)).length() < 1e-5, "{d}");
@@ -219,7 +258,7 @@ mod tests {
             if !(0.01..0.99).contains(&value) {
                 continue;
             }
-            let got = perturbed_normal(&ball, 0, &to_file, &point, &world);
+            let got = perturbed_normal(&ball, 0, &to_file, &point, &of(&world));
             let gradient = to_file.transpose() * DVec3::new(0.25, 0.25, 0.0) * 0.2;
             assert!((got - expected(d, gradient)).length() < 1e-6, "{d}");
         }
@@ -245,7 +284,7 @@ mod tests {
                 let s = ball.surface(p, 0);
                 let point = point_of(&ball, p, &DMat3::IDENTITY);
                 for (i, bump) in rough.iter().enumerate() {
-                    let got = perturbed_normal(&ball, 0, &DMat3::IDENTITY, &point, bump);
+                    let got = perturbed_normal(&ball, 0, &DMat3::IDENTITY, &point, &of(bump));
                     assert!((got.length() - 1.0).abs() < 1e-9, "{i} {center} {radius} {d}: {got}");
                     assert!(got.dot(s.normal) >= 0.9 * LEAST_COSINE, "{i} {d}: {got}");
                 }
@@ -253,7 +292,7 @@ mod tests {
         }
         let broken = PatternPoint { uv: DVec2::NAN, ..at(f64::NAN, 0.0, 0.0) };
         let ball = sphere(DVec3::ZERO, 1.0);
-        assert!(perturbed_normal(&ball, 0, &DMat3::ZERO, &broken, &rough[1]).is_finite());
+        assert!(perturbed_normal(&ball, 0, &DMat3::ZERO, &broken, &of(&rough[1])).is_finite());
     }
 
     #[test]

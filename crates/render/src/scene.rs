@@ -10,6 +10,7 @@ use dioptric_geometry::world::{Hit, Surface, World};
 use dioptric_geometry::{AnyShape, HitId, Ray, SurfacePoint};
 use dioptric_image::Develop;
 use dioptric_math::Spectrum;
+use dioptric_math::random::{join, unit};
 use dioptric_scene::{Description, NodeId};
 
 use crate::bump::perturbed_normal;
@@ -17,7 +18,7 @@ use crate::camera::AnyCamera;
 use crate::integrator::media::Medium;
 use crate::integrator::recorder::SourcePlace;
 use crate::light::AnyLight;
-use crate::material::{AnyMaterial, Finish, Interior};
+use crate::material::{Dressed, Finish, Interior, Relief};
 use crate::pattern::PatternPoint;
 use crate::setting::background::Background;
 use crate::setting::fog::Fog;
@@ -41,26 +42,31 @@ pub struct ObjectInfo {
 #[derive(Clone, Debug)]
 pub struct SceneMaterial {
     /// The material.
-    pub material: AnyMaterial,
+    pub material: Dressed,
     /// Its answer, where that is the same at every point: no pattern, no bump map.
     pub uniform: Option<Finish>,
     /// Whether it lets no light pass anywhere.
     pub opaque: bool,
     /// What its inside does to light, besides absorbing it.
     pub interior: Interior,
+    /// Whether rays may pass it as if it were not there.
+    pub holes: bool,
+    /// Whether it draws lots: see [`PatternPoint::lot`].
+    pub by_lot: bool,
 }
 
 impl SceneMaterial {
     /// `uniform` says that the material was built without any pattern.
     #[must_use]
-    pub fn new(material: AnyMaterial, uniform: bool) -> Self {
-        let answer = uniform.then(|| material.finish(&PatternPoint::NOWHERE));
+    pub fn new(material: Dressed, uniform: bool) -> Self {
+        let by_lot = material.is_by_lot();
+        let answer = (uniform && !by_lot).then(|| material.finish(&PatternPoint::NOWHERE));
         let opaque = match &answer {
             Some(finish) => finish.shadow_pass == Spectrum::ZERO,
             None => material.is_opaque(),
         };
-        let interior = material.interior();
-        Self { material, uniform: answer, opaque, interior }
+        let (interior, holes) = (material.interior(), material.has_holes());
+        Self { material, uniform: answer, opaque, interior, holes, by_lot }
     }
 }
 
@@ -84,6 +90,8 @@ pub struct Scene {
     pub objects: Vec<ObjectInfo>,
     /// All materials.
     pub materials: Vec<SceneMaterial>,
+    /// Whether any of them has holes.
+    pub has_holes: bool,
     /// Materials of the leaves of CSG objects, by [`ObjectInfo::material`] plus leaf.
     pub leaf_materials: Vec<u32>,
     /// By instance id: the node that was used again.
@@ -170,6 +178,16 @@ impl Deref for Answer<'_> {
     }
 }
 
+/// The number by which materials draw lots where a ray hits something: see [`PatternPoint::lot`].
+fn lot(ray: &Ray, hit: &Hit) -> f64 {
+    let Ray { origin, direction, .. } = ray;
+    let numbers = [origin.x, origin.y, origin.z, direction.x, direction.y, direction.z, hit.t];
+    let key = (u64::from(hit.id.object) << 32) ^ u64::from(hit.id.part);
+    unit(
+        numbers.iter().fold(join(u64::from(hit.id.instance), key), |key, x| join(key, x.to_bits())),
+    )
+}
+
 /// Parts of CSG objects carry their leaf above these bits (see `dioptric_geometry::shapes::csg`).
 pub(crate) const LEAF_SHIFT: u32 = 8;
 
@@ -211,6 +229,7 @@ impl Scene {
     #[must_use]
     pub fn surface_and_point(&self, ray: &Ray, hit: &Hit) -> Option<(Surface, PatternPoint)> {
         let mut surface = self.world.surface(ray, hit)?;
+        let material = &self.materials[self.material_index(hit.id)];
         let root = self.root.transform();
         let mut point = PatternPoint {
             object: surface.local_point,
@@ -218,6 +237,7 @@ impl Scene {
             uv: surface.uv,
             object_normal: surface.local_normal,
             world_normal: surface.shading_normal,
+            lot: if material.by_lot { lot(ray, hit) } else { PatternPoint::NOWHERE.lot },
         };
         if !self.root.is_identity() {
             point.world = root.to_local().transform_point3(surface.point);
@@ -225,11 +245,13 @@ impl Scene {
             let back = root.to_world().matrix3.transpose() * surface.shading_normal;
             point.world_normal = dioptric_math::normalize(back).unwrap_or(surface.shading_normal);
         }
-        if let Some(bump) = self.materials[self.material_index(hit.id)].material.bump() {
+        let mut relief = Relief::default();
+        material.material.relief(&point, &mut relief);
+        if !relief.is_flat() {
             let to_ray = self.world.object_to_ray(hit.id)?.matrix3;
             let to_file = root.to_local().matrix3 * to_ray;
             let shape = self.world.shape(hit.id.object)?;
-            let bumped = perturbed_normal(shape, hit.id.part, &to_file, &point, bump);
+            let bumped = perturbed_normal(shape, hit.id.part, &to_file, &point, &relief);
             surface.shading_normal =
                 dioptric_math::normalize(to_ray.inverse().transpose() * bumped)
                     .unwrap_or(surface.shading_normal);

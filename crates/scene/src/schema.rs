@@ -254,11 +254,61 @@ pub const SHAPE_COMMON: &[Param] = &[
     ),
 ];
 
+/// Parameters that every material has besides its own.
+pub const MATERIAL_COMMON: &[Param] = &[
+    Param::new(
+        "emission",
+        Type::ColorPattern,
+        Default::Number(0.0),
+        "Light of its own, besides what it reflects.",
+    ),
+    Param::new(
+        "emission_strength",
+        Type::NON_NEGATIVE,
+        Default::Number(1.0),
+        "Multiplies `emission`.",
+    ),
+    Param::new(
+        "opacity",
+        Type::UNIT_PATTERN,
+        Default::Number(1.0),
+        "How much of the surface is there: 0 is a hole that rays and shadows pass; between, each ray meets it by this chance.",
+    ),
+    Param::new(
+        "bump",
+        Type::NumberPattern { min: f64::NEG_INFINITY, max: f64::INFINITY },
+        Default::Absent,
+        "A pattern of heights that makes the surface look uneven; only the shading changes.",
+    ),
+    Param::new(
+        "bump_height",
+        Type::NUMBER,
+        Default::Number(0.1),
+        "Height that the value 1 of `bump` stands for, in units of the object; negative for dents.",
+    ),
+    Param::new(
+        "normal_map",
+        Type::ColorPattern,
+        Default::Absent,
+        "A pattern, mostly a picture, of directions: red, green and blue from 0 to 1 are -1 to 1 along u, v and the normal.",
+    ),
+    Param::new(
+        "normal_strength",
+        Type::NUMBER,
+        Default::Number(1.0),
+        "How strongly `normal_map` bends: multiplies what red and green stand for.",
+    ),
+];
+
 impl Schema {
     /// All parameters: its own, then those of its category, then those of every node.
     pub fn all_params(&self) -> impl Iterator<Item = &'static Param> {
-        let shape = if self.category == Category::Shape { SHAPE_COMMON } else { &[] };
-        self.params.iter().chain(shape).chain(COMMON)
+        let category = match self.category {
+            Category::Shape => SHAPE_COMMON,
+            Category::Material => MATERIAL_COMMON,
+            _ => &[],
+        };
+        self.params.iter().chain(category).chain(COMMON)
     }
 
     /// The parameter with this name and its index in [`Self::all_params`].

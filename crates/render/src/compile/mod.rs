@@ -99,6 +99,7 @@ pub fn compile(
         description: description.clone(),
         world: placed.world,
         objects: placed.objects,
+        has_holes: placed.materials.iter().any(|m| m.holes),
         materials: placed.materials,
         leaf_materials: placed.leaf_materials,
         instances: placed.instances,

@@ -11,8 +11,8 @@ use dioptric_scene::{Args, Category, Description, Diagnostic, NodeId};
 
 use crate::build::Builder;
 use crate::bulk;
-use crate::material::AnyMaterial;
 use crate::material::matte::Matte;
+use crate::material::{AnyMaterial, Dressed};
 use crate::scene::{LEAF_SHIFT, ObjectInfo, SceneMaterial};
 
 /// Groups in groups deeper than this are refused: the walk is recursive.
@@ -80,7 +80,7 @@ impl<'a, 'b> Places<'a, 'b> {
             expanded[i] = members.max(1);
         }
         let grey = AnyMaterial::Matte(Matte::new(Spectrum::splat(0.5)));
-        let grey = SceneMaterial::new(grey, true);
+        let grey = SceneMaterial::new(grey.into(), true);
         Self {
             d,
             builder,
@@ -134,7 +134,7 @@ impl<'a, 'b> Places<'a, 'b> {
             return Ok(index);
         }
         let used = self.builder.patterns_used;
-        let material = AnyMaterial::from_args(&Args::new(self.d, id), self.builder)?;
+        let material = Dressed::from_args(&Args::new(self.d, id), self.builder)?;
         let uniform = self.builder.patterns_used == used;
         self.materials.push(SceneMaterial::new(material, uniform));
         let index = self.materials.len() as u32 - 1;

@@ -10,8 +10,8 @@ use dioptric_math::wide::wide;
 use serde_json::json;
 
 use super::lit::{AllAdd, AllFall, Between, Fall, LANES, Lit, Power, Row, get, lanes, put};
-use super::point::Leg;
 use super::recorder::Recorder;
+use super::shadow::Start;
 use super::shine::shine;
 use super::told::{Sum, Told};
 use super::whitted::{Met, Whitted};
@@ -197,7 +197,8 @@ impl<R: Recorder> Whitted<'_, '_, R> {
         for (at, (between, found)) in between.iter_mut().zip(&*found).enumerate() {
             (between.passed, between.tinted) = (between.bright & !found.hit, false);
             let block = &mut lit.blocks[at];
-            if shadows == Shadows::Tinted {
+            let tinted = shadows == Shadows::Tinted;
+            if tinted || scene.has_holes {
                 let mut shaded = found.hit;
                 for lane in lanes(found.hit) {
                     shaded &= !(u16::from(scene.is_opaque(found.ids[lane])) << lane);
@@ -207,9 +208,9 @@ impl<R: Recorder> Whitted<'_, '_, R> {
                 }
                 for lane in lanes(shaded) {
                     let query = lit.rays.bundles()[at].query(lane);
-                    let visibility = Leg::of(&query).map_or(Spectrum::ONE, |leg| {
-                        scene.tinted_by(&leg, query.t_max, passages.of(lane).iter())
-                    });
+                    let start = Start::of(&query);
+                    let visibility =
+                        scene.passes(&start, query.t_max, tinted, passages.of(lane).iter());
                     if visibility != Spectrum::ZERO {
                         if !between.tinted {
                             between.tinted = true;

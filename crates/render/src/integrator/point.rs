@@ -20,12 +20,6 @@ pub(super) struct Leg {
 }
 
 impl Leg {
-    /// The leg of a question that [`Self::query`] made.
-    pub fn of(query: &Query) -> Option<Self> {
-        let (ray, contacts) = (query.ray, query.contacts());
-        query.departure().map(|departure| Self { ray, departure, contacts })
-    }
-
     /// The question what is within a distance.
     pub fn query(&self, t_max: f64) -> Query {
         Query::new(self.ray, t_max, Some(self.departure), self.contacts)

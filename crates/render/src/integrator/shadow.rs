@@ -6,7 +6,7 @@ use dioptric_geometry::{Contacts, HitId, Ray, SurfacePoint};
 use dioptric_math::Spectrum;
 
 use super::media::absorbed;
-use super::point::{Leg, touches};
+use super::point::touches;
 use crate::material::{Finish, Optics};
 use crate::scene::Scene;
 
@@ -18,7 +18,13 @@ pub(super) struct Start<'a> {
     pub contacts: Contacts,
 }
 
-impl Start<'_> {
+impl<'a> Start<'a> {
+    /// Of a question what lies between.
+    pub fn of(query: &'a Query) -> Self {
+        let from = query.departure().map(|d| d.from);
+        Self { ray: &query.ray, from, contacts: query.contacts() }
+    }
+
     /// Whether a surface only touches the point that is left.
     pub fn stays_off(&self, hit: &Hit, surface: &SurfacePoint) -> bool {
         let own = self.from.is_some_and(|from| hit.id.same_object(&from));
@@ -27,56 +33,32 @@ impl Start<'_> {
 }
 
 impl Scene {
-    /// What of a light passes through all that lies in the way of a question.
-    pub(super) fn tinted(&self, query: &Query) -> Spectrum {
-        let (mut hits, departure) = (Vec::new(), query.departure());
-        self.world.hits(&query.ray, query.t_max, departure.as_ref(), &mut hits);
-        let mut passed = Spectrum::ONE;
-        let start =
-            Start { ray: &query.ray, from: departure.map(|d| d.from), contacts: query.contacts() };
-        self.passages_from(&start, query.t_max, hits.iter(), |_, factor| {
-            passed *= factor;
-            passed != Spectrum::ZERO
-        });
-        passed
-    }
-
-    /// The same where the passages are known: those of [`World::hits`].
+    /// What passes of a light before `distance`, by the passages that are [`World::hits`]: what things let through where
+    /// shadows are tinted, else all or nothing.
     ///
     /// [`World::hits`]: dioptric_geometry::World::hits
-    pub(super) fn tinted_by<'a>(
+    pub(super) fn passes<'a>(
         &self,
-        leg: &Leg,
+        start: &Start,
         distance: f64,
+        tinted: bool,
         hits: impl Iterator<Item = &'a Hit> + Clone,
     ) -> Spectrum {
         let mut passed = Spectrum::ONE;
-        self.passages(leg, distance, hits, |_, factor| {
-            passed *= factor;
+        self.passages(start, distance, hits, |_, factor| {
+            passed *= if tinted { factor } else { Spectrum::ZERO };
             passed != Spectrum::ZERO
         });
         passed
     }
 
-    /// Calls `each` with every passage through a surface before `distance`, nearest first, and the share
+    /// Calls `each` with every passage through a surface that is there before `distance`, nearest first, and the share
     /// of light that passes there, until it returns false. The product of all shares is the light's
     /// visibility where shadows are tinted.
     ///
     /// A solid counts once, where the ray enters it, or leaves it if it starts inside; where it leaves, with
     /// the absorption of the way through. An open surface counts each time.
     pub(super) fn passages<'a>(
-        &self,
-        leg: &Leg,
-        distance: f64,
-        hits: impl Iterator<Item = &'a Hit> + Clone,
-        each: impl FnMut(&Hit, Spectrum) -> bool,
-    ) {
-        let from = Some(leg.departure.from);
-        let start = Start { ray: &leg.ray, from, contacts: leg.contacts };
-        self.passages_from(&start, distance, hits, each);
-    }
-
-    fn passages_from<'a>(
         &self,
         start: &Start,
         distance: f64,
@@ -90,6 +72,9 @@ impl Scene {
                 continue;
             }
             let finish = &shading.finish;
+            if !finish.present {
+                continue;
+            }
             let solid = self.world.shape(hit.id.object).is_some_and(|s| s.is_solid());
             let enters = shading.surface.normal.dot(ray.direction) < 0.0;
             let passed = if !solid || enters {

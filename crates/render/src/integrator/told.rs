@@ -7,8 +7,8 @@ use dioptric_math::Spectrum;
 use serde_json::{Value, json};
 
 use super::direct::Asked;
-use super::point::Leg;
 use super::recorder::Recorder;
+use super::shadow::Start;
 use super::whitted::{Met, Whitted};
 use crate::setting::render::Shadows;
 
@@ -50,10 +50,9 @@ impl<R: Recorder> Whitted<'_, '_, R> {
             Shadows::Tinted => false,
         };
         let mut met: Vec<Blocker> = Vec::new();
-        let Some(leg) = Leg::of(query) else { return };
-        let mut hits = Vec::new();
-        self.scene.world.hits(&leg.ray, query.t_max, Some(&leg.departure), &mut hits);
-        self.scene.passages(&leg, query.t_max, hits.iter(), |hit, factor| {
+        let (mut hits, departure) = (Vec::new(), query.departure());
+        self.scene.world.hits(&query.ray, query.t_max, departure.as_ref(), &mut hits);
+        self.scene.passages(&Start::of(query), query.t_max, hits.iter(), |hit, factor| {
             let passes = if opaque { Spectrum::ZERO } else { factor };
             match met.iter_mut().find(|b| b.id.same_object(&hit.id)) {
                 Some(known) => known.passes *= passes,

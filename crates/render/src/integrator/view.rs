@@ -4,8 +4,9 @@
 
 use std::sync::atomic::AtomicBool;
 
-use dioptric_geometry::Ray;
 use dioptric_geometry::bvh::Count;
+use dioptric_geometry::world::Query;
+use dioptric_geometry::{Contacts, Ray};
 use dioptric_math::Spectrum;
 use dioptric_math::random::{mix, unit};
 use serde_json::json;
@@ -41,7 +42,16 @@ pub fn radiance<R: Recorder>(
     let id = recorder.begin(None, RayKind::Camera, ray);
     let mut visits = Count::default();
     let found = scene.world.closest_counted(ray, f64::INFINITY, None, &mut visits);
-    let found = found.and_then(|hit| Some(Point::new(ray, hit, scene.shading(ray, &hit)?, None)));
+    let found = found.and_then(|hit| {
+        let shading = scene.shading(ray, &hit)?;
+        let query = || Query::new(*ray, f64::INFINITY, None, Contacts::CROSSED);
+        let (hit, shading) = if shading.finish.present {
+            (hit, shading)
+        } else {
+            scene.behind_hole(&query(), &hit)?
+        };
+        Some(Point::new(ray, hit, shading, None))
+    });
     let mut first = FirstHit::NONE;
     let mut color = Spectrum::ZERO;
     if let Some(point) = &found {

@@ -170,8 +170,8 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
             let hit = found[i / LANES].best(i);
             let (media, inside) = (&self.media, leg.way.inside);
             let resolved = hit.and_then(|hit| {
-                let departure = || rays.query(i).departure();
-                resolve(scene, media, &rays.ray(i), departure, hit, inside, answers)
+                let query = || rays.query(i);
+                resolve(scene, media, &rays.ray(i), query, hit, inside, answers)
             });
             match resolved {
                 Some((hit, shading)) => {

@@ -3,9 +3,10 @@
 
 use dioptric_math::{DVec2, DVec3, Spectrum};
 use dioptric_scene::args::make_node;
+use dioptric_scene::schema::MATERIAL_COMMON;
 use dioptric_scene::{Category, Default, Description, Schema, Type, Value};
 
-use super::{AnyMaterial, Finish, Material, Optics, SCHEMAS};
+use super::{Dressed, Finish, Material, Optics, SCHEMAS};
 use crate::build::ColorReading;
 use crate::pattern::PatternPoint;
 use crate::setting::testing::with_node;
@@ -22,6 +23,7 @@ fn points() -> Vec<PatternPoint> {
                 uv: DVec2::new(x, 0.5),
                 object_normal: DVec3::Z,
                 world_normal: DVec3::Z,
+                lot: 0.5,
             }
         })
         .collect()
@@ -34,19 +36,21 @@ enum Fill {
     TooBright,
 }
 
-fn material(schema: &'static Schema, fill: &Fill) -> AnyMaterial {
+fn material(schema: &'static Schema, fill: &Fill) -> Dressed {
     let mut scene = Description::default();
     let pattern = |kind: &str| *crate::pattern::SCHEMAS.iter().find(|s| s.kind == kind).unwrap();
     let cells = [("even", Value::Vec3([9.0, 0.0, 2.0])), ("odd", Value::Vec3([0.0, 5.0, 1e9]))];
     let bright = scene.push(make_node(pattern("checker"), &cells).unwrap());
     let dull = scene.push(make_node(super::matte::Matte::SCHEMA, &[]).unwrap());
     let mut arguments = Vec::new();
-    for param in schema.params {
+    for param in schema.params.iter().chain(MATERIAL_COMMON) {
         let value = match (param.ty, fill) {
             (Type::Node(Category::Material), _) => Value::Node(dull),
             (Type::ColorPattern | Type::NumberPattern { .. }, Fill::TooBright) => {
                 Value::Node(bright)
             }
+            // One colour is no map.
+            (Type::ColorPattern, Fill::Smallest) if param.name == "normal_map" => continue,
             (Type::ColorPattern, Fill::Smallest) => Value::Number(0.0),
             (Type::NumberPattern { min, .. } | Type::Number { min, .. }, Fill::Smallest) => {
                 Value::Number(min.max(0.0))
@@ -60,7 +64,7 @@ fn material(schema: &'static Schema, fill: &Fill) -> AnyMaterial {
         arguments.push((param.name, value));
     }
     let id = scene.push(make_node(schema, &arguments).unwrap());
-    with_node(&scene, id, ColorReading::Raw, AnyMaterial::from_args)
+    with_node(&scene, id, ColorReading::Raw, Dressed::from_args)
         .unwrap_or_else(|why| panic!("{}: {}", schema.kind, why.message))
 }
 

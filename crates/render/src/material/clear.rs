@@ -6,10 +6,9 @@ use dioptric_scene::{Args, Category, Default, Diagnostic, Param, Schema, Type};
 
 use super::phong::{COLOR, DIFFUSE, EXPONENT, Lit, SPECULAR};
 use super::shared::{
-    ABSORPTION, AMBIENT, BUMP, BUMP_HEIGHT, EMISSION, HIGHLIGHT_COLOR, MODEL, SHADOW, absorption,
-    bump, shadow_pass, unit, unit_color,
+    ABSORPTION, AMBIENT, HIGHLIGHT_COLOR, MODEL, SHADOW, absorption, shadow_pass, unit, unit_color,
 };
-use super::{Bump, Finish, Material, Optics};
+use super::{Finish, Material, Optics};
 use crate::build::Builder;
 use crate::input::{ColorInput, NumberInput};
 use crate::pattern::PatternPoint;
@@ -23,7 +22,6 @@ pub struct Clear {
     tint: ColorInput,
     absorption: Spectrum,
     shadow: Option<f64>,
-    bump: Option<Bump>,
 }
 
 static SCHEMA: Schema = Schema {
@@ -63,10 +61,7 @@ static SCHEMA: Schema = Schema {
         DIFFUSE,
         MODEL,
         HIGHLIGHT_COLOR,
-        EMISSION,
         SHADOW,
-        BUMP,
-        BUMP_HEIGHT,
     ],
     example: "box(min = (-1, 0, -1), max = (1, 2, 1), material = clear(\"seagreen\", own = 0.25, ior = 1.02))",
 };
@@ -82,7 +77,6 @@ impl Material for Clear {
             tint: builder.color(args, "tint")?,
             absorption: absorption(args)?,
             shadow: args.optional_number("shadow")?,
-            bump: bump(args, builder)?,
         })
     }
 
@@ -98,14 +92,6 @@ impl Material for Clear {
 
     fn is_opaque(&self) -> bool {
         false
-    }
-
-    fn may_shine(&self) -> bool {
-        self.lit.may_shine()
-    }
-
-    fn bump(&self) -> Option<&Bump> {
-        self.bump.as_ref()
     }
 }
 

@@ -7,10 +7,9 @@ use dioptric_scene::{Args, Category, Default, Diagnostic, Param, Schema, Type};
 use super::glasses::{NAMES, named};
 use super::interior::{ANISOTROPY, Interior, PRIORITY, SCATTERING, Scattering};
 use super::shared::{
-    ABSORPTION, BUMP, BUMP_HEIGHT, Glint, ROUGHNESS, SHADOW, SHARP_EXPONENT, absorption, bump,
-    shadow_pass, unit, unit_color,
+    ABSORPTION, Glint, ROUGHNESS, SHADOW, SHARP_EXPONENT, absorption, shadow_pass, unit, unit_color,
 };
-use super::{Bump, Finish, Material, Optics};
+use super::{Finish, Material, Optics};
 use crate::build::Builder;
 use crate::input::{ColorInput, NumberInput};
 use crate::pattern::PatternPoint;
@@ -27,7 +26,6 @@ pub struct Glass {
     roughness: NumberInput,
     glint: Glint,
     shadow: Option<f64>,
-    bump: Option<Bump>,
 }
 
 static SCHEMA: Schema = Schema {
@@ -98,8 +96,6 @@ static SCHEMA: Schema = Schema {
         ),
         SHARP_EXPONENT,
         SHADOW,
-        BUMP,
-        BUMP_HEIGHT,
     ],
     example: "sphere(center = (0, 1, 0), radius = 1, material = glass(ior = 1.5))",
 };
@@ -146,7 +142,6 @@ impl Material for Glass {
             roughness: builder.number(args, "roughness")?,
             glint: Glint::from_args(args, builder)?,
             shadow: args.optional_number("shadow")?,
-            bump: bump(args, builder)?,
         })
     }
 
@@ -177,10 +172,6 @@ impl Material for Glass {
 
     fn interior(&self) -> Interior {
         self.interior
-    }
-
-    fn bump(&self) -> Option<&Bump> {
-        self.bump.as_ref()
     }
 }
 

@@ -4,8 +4,8 @@
 use dioptric_math::Spectrum;
 use dioptric_scene::{Args, Category, Default, Diagnostic, Param, Schema, Type};
 
-use super::shared::{AMBIENT, BUMP, BUMP_HEIGHT, bump, unit};
-use super::{Bump, Finish, Material};
+use super::shared::{AMBIENT, unit};
+use super::{Finish, Material};
 use crate::build::Builder;
 use crate::input::{ColorInput, NumberInput};
 use crate::pattern::PatternPoint;
@@ -16,7 +16,6 @@ pub struct Matte {
     color: ColorInput,
     ambient: NumberInput,
     roughness: NumberInput,
-    bump: Option<Bump>,
 }
 
 static SCHEMA: Schema = Schema {
@@ -43,8 +42,6 @@ static SCHEMA: Schema = Schema {
             Default::Number(0.0),
             "How uneven the surface is in small, for paths: 0 is Lambert's, 1 like the moon's.",
         ),
-        BUMP,
-        BUMP_HEIGHT,
     ],
     example: "sphere(center = (0, 1, 0), radius = 1, material = matte(\"peru\"))",
 };
@@ -57,7 +54,6 @@ impl Matte {
             color: ColorInput::Constant(color),
             ambient: NumberInput::Constant(1.0),
             roughness: NumberInput::Constant(0.0),
-            bump: None,
         }
     }
 }
@@ -70,7 +66,6 @@ impl Material for Matte {
             color: builder.color(args, "color")?,
             ambient: builder.number(args, "ambient")?,
             roughness: builder.number(args, "roughness")?,
-            bump: bump(args, builder)?,
         })
     }
 
@@ -81,10 +76,6 @@ impl Material for Matte {
             unevenness: unit(&self.roughness, point),
             ..Finish::matte(color)
         }
-    }
-
-    fn bump(&self) -> Option<&Bump> {
-        self.bump.as_ref()
     }
 }
 

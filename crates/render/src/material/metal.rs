@@ -6,8 +6,8 @@ use dioptric_scene::{Args, Category, Default, Diagnostic, Param, Schema, Type};
 
 use super::metal_data::NAMES;
 use super::metal_lanes::named;
-use super::shared::{BUMP, BUMP_HEIGHT, Glint, ROUGHNESS, SHARP_EXPONENT, bump, unit, unit_color};
-use super::{Bump, Conductor, Finish, Material, Optics, Reflectance};
+use super::shared::{Glint, ROUGHNESS, SHARP_EXPONENT, unit, unit_color};
+use super::{Conductor, Finish, Material, Optics, Reflectance};
 use crate::build::Builder;
 use crate::input::{ColorInput, NumberInput};
 use crate::pattern::PatternPoint;
@@ -18,7 +18,6 @@ pub struct Metal {
     kind: Kind,
     roughness: NumberInput,
     glint: Glint,
-    bump: Option<Bump>,
 }
 
 /// What is known of it.
@@ -68,8 +67,6 @@ static SCHEMA: Schema = Schema {
             "Strength of the highlight; 0 for none.",
         ),
         SHARP_EXPONENT,
-        BUMP,
-        BUMP_HEIGHT,
         Param::new(
             "n",
             Type::Scale,
@@ -144,7 +141,6 @@ impl Material for Metal {
             kind: kind(args, builder)?,
             roughness: builder.number(args, "roughness")?,
             glint: Glint::from_args(args, builder)?,
-            bump: bump(args, builder)?,
         })
     }
 
@@ -162,10 +158,6 @@ impl Material for Metal {
             optics: Optics::Mirror { reflect, roughness, covers: false },
             ..Finish::matte(Spectrum::ZERO)
         }
-    }
-
-    fn bump(&self) -> Option<&Bump> {
-        self.bump.as_ref()
     }
 }
 

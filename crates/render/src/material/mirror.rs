@@ -4,8 +4,8 @@
 use dioptric_math::Spectrum;
 use dioptric_scene::{Args, Category, Default, Diagnostic, Param, Schema, Type};
 
-use super::shared::{BUMP, BUMP_HEIGHT, Glint, ROUGHNESS, SHARP_EXPONENT, bump, unit, unit_color};
-use super::{Bump, Finish, Material, Optics, Reflectance};
+use super::shared::{Glint, ROUGHNESS, SHARP_EXPONENT, unit, unit_color};
+use super::{Finish, Material, Optics, Reflectance};
 use crate::build::Builder;
 use crate::input::{ColorInput, NumberInput};
 use crate::pattern::PatternPoint;
@@ -16,7 +16,6 @@ pub struct Mirror {
     color: ColorInput,
     roughness: NumberInput,
     glint: Glint,
-    bump: Option<Bump>,
 }
 
 static SCHEMA: Schema = Schema {
@@ -45,8 +44,6 @@ static SCHEMA: Schema = Schema {
             "Strength of the highlight; 0 for none.",
         ),
         SHARP_EXPONENT,
-        BUMP,
-        BUMP_HEIGHT,
     ],
     example: "sphere(center = (0, 1, 0), radius = 1, material = mirror())",
 };
@@ -59,7 +56,6 @@ impl Material for Mirror {
             color: builder.color(args, "color")?,
             roughness: builder.number(args, "roughness")?,
             glint: Glint::from_args(args, builder)?,
-            bump: bump(args, builder)?,
         })
     }
 
@@ -76,10 +72,6 @@ impl Material for Mirror {
             },
             ..Finish::matte(Spectrum::ZERO)
         }
-    }
-
-    fn bump(&self) -> Option<&Bump> {
-        self.bump.as_ref()
     }
 }
 

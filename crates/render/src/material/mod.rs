@@ -5,9 +5,9 @@ use dioptric_math::Spectrum;
 use dioptric_scene::{Args, Diagnostic, Schema};
 
 use crate::build::Builder;
-use crate::input::NumberInput;
 use crate::pattern::PatternPoint;
 
+pub use dressed::{Bump, Dressed, NormalMap, Relief};
 pub(crate) use highlight::{FAINTEST, whole};
 pub use highlight::{Highlight, HighlightModel};
 pub(crate) use interior::{ANISOTROPY, SCATTERING};
@@ -17,7 +17,9 @@ pub(crate) use shared::absorption;
 
 #[cfg(test)]
 mod battery;
+pub mod blend;
 pub mod clear;
+mod dressed;
 pub mod glass;
 mod glasses;
 pub mod glow;
@@ -96,6 +98,8 @@ pub struct Finish {
     pub highlight: Option<Highlight>,
     /// Light of its own.
     pub emission: Spectrum,
+    /// Whether there is anything at all: rays go on through what is not.
+    pub present: bool,
     /// What is seen in or through it.
     pub optics: Optics,
     /// How much of a shadow it casts where the scene's shadows are tinted: the light that passes, 0
@@ -105,6 +109,10 @@ pub struct Finish {
 }
 
 impl Finish {
+    /// No surface at all.
+    pub const HOLE: Self =
+        Self { present: false, shadow_pass: Spectrum::ONE, ..Self::matte(Spectrum::ZERO) };
+
     /// Whether paths find nothing but Lambert's surface there, and not a black one.
     #[inline(always)]
     #[must_use]
@@ -125,20 +133,11 @@ impl Finish {
             unevenness: 0.0,
             highlight: None,
             emission: Spectrum::ZERO,
+            present: true,
             optics: Optics::Opaque,
             shadow_pass: Spectrum::ZERO,
         }
     }
-}
-
-/// A bump map: the surface is displaced along its normal by `height`, in object units; only the
-/// shading normal changes.
-#[derive(Clone, Debug)]
-pub struct Bump {
-    /// The height.
-    pub height: NumberInput,
-    /// Multiplies the height.
-    pub scale: f64,
 }
 
 /// A material.
@@ -155,9 +154,17 @@ pub trait Material: Sized {
     /// The answer at a point in Whitted's model.
     fn finish(&self, point: &PatternPoint) -> Finish;
 
-    /// The bump map, if any.
-    fn bump(&self) -> Option<&Bump> {
-        None
+    /// Adds what bends the normal there of the materials that it is made of.
+    fn relief<'a>(&'a self, _point: &PatternPoint, _relief: &mut Relief<'a>) {}
+
+    /// Whether it may answer differently at the same point: see [`PatternPoint::lot`].
+    fn is_by_lot(&self) -> bool {
+        false
+    }
+
+    /// Whether rays may pass it as if it were not there.
+    fn has_holes(&self) -> bool {
+        false
     }
 
     /// Whether it lets no light pass anywhere: [`Finish::shadow_pass`] is always 0.
@@ -224,10 +231,21 @@ macro_rules! registry {
                 match self { $(Self::$variant(m) => m.interior(),)* }
             }
 
-            /// See [`Material::bump`].
+            /// See [`Material::relief`].
+            pub fn relief<'a>(&'a self, point: &PatternPoint, relief: &mut Relief<'a>) {
+                match self { $(Self::$variant(m) => m.relief(point, relief),)* }
+            }
+
+            /// See [`Material::is_by_lot`].
             #[must_use]
-            pub fn bump(&self) -> Option<&Bump> {
-                match self { $(Self::$variant(m) => m.bump(),)* }
+            pub fn is_by_lot(&self) -> bool {
+                match self { $(Self::$variant(m) => m.is_by_lot(),)* }
+            }
+
+            /// See [`Material::has_holes`].
+            #[must_use]
+            pub fn has_holes(&self) -> bool {
+                match self { $(Self::$variant(m) => m.has_holes(),)* }
             }
         }
     };
@@ -244,4 +262,5 @@ registry! {
     Glow(glow::Glow),
     Patched(patched::Patched),
     Volume(volume::Volume),
+    Blend(blend::Blend),
 }

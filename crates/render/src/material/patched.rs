@@ -3,8 +3,7 @@
 
 use dioptric_scene::{Args, Category, Default, Diagnostic, Param, Schema, Type};
 
-use super::shared::{BUMP, BUMP_HEIGHT, bump};
-use super::{AnyMaterial, Bump, Finish, Interior, Material};
+use super::{Dressed, Finish, Interior, Material, Relief};
 use crate::build::Builder;
 use crate::input::NumberInput;
 use crate::pattern::PatternPoint;
@@ -12,11 +11,10 @@ use crate::pattern::PatternPoint;
 /// One material here, another there.
 #[derive(Clone, Debug)]
 pub struct Patched {
-    first: Box<AnyMaterial>,
-    second: Box<AnyMaterial>,
+    first: Box<Dressed>,
+    second: Box<Dressed>,
     mask: NumberInput,
     threshold: f64,
-    bump: Option<Bump>,
 }
 
 static SCHEMA: Schema = Schema {
@@ -24,9 +22,9 @@ static SCHEMA: Schema = Schema {
     category: Category::Material,
     summary: "two materials on one surface, told apart by a pattern",
     doc: "Is `second` where the pattern `mask` is at least `threshold`, else `first`; a checker of 0 and 1 makes\n\
-          tiles of two materials. Each point has one of the two, so that they may differ in everything: to blend\n\
-          colours use a pattern as the `color` of one material. Bump maps of the two are not used: this has its\n\
-          own. Where paths are scattered inside, both must say so alike.",
+          tiles of two materials. Each point has one of the two, so that they may differ in everything; to go\n\
+          from one to the other gradually use `blend`. The heights of a part's `bump` are added to those of this one's.\n\
+          Where paths are scattered inside, both must say so alike.",
     params: &[
         Param::required("first", Type::Node(Category::Material), "Where the mask is low."),
         Param::required("second", Type::Node(Category::Material), "Where the mask is high."),
@@ -41,20 +39,35 @@ static SCHEMA: Schema = Schema {
             Default::Number(0.5),
             "From which value of the mask on it is the second.",
         ),
-        BUMP,
-        BUMP_HEIGHT,
     ],
     example: "sphere(center = (0, 1, 0), radius = 1,\n       \
               material = patched(matte(\"maroon\"), mirror(), mask = checker(0, 1, size = 0.5)))",
 };
 
 /// The material that an argument names.
-fn part(args: &Args, name: &str, builder: &mut Builder) -> Result<Box<AnyMaterial>, Diagnostic> {
+pub(super) fn part(
+    args: &Args,
+    name: &str,
+    builder: &mut Builder,
+) -> Result<Box<Dressed>, Diagnostic> {
     let id = args.optional_node(name)?.ok_or_else(|| {
-        args.error_here("missing-argument", format!("patched needs {name}, a material"))
+        let kind = args.node().schema.kind;
+        args.error_here("missing-argument", format!("{kind} needs {name}, a material"))
     })?;
     // A node refers only to earlier nodes, so this recursion ends; readers bound its depth.
-    AnyMaterial::from_args(&Args::new(args.description, id), builder).map(Box::new)
+    Dressed::from_args(&Args::new(args.description, id), builder).map(Box::new)
+}
+
+/// The inside of an object that is made of two materials, which is one: what both say.
+pub(super) fn common(first: &Dressed, second: &Dressed) -> Interior {
+    let interior = first.interior();
+    if interior == second.interior() { interior } else { Interior::PLAIN }
+}
+
+impl Patched {
+    fn at(&self, point: &PatternPoint) -> &Dressed {
+        if self.mask.eval(point) >= self.threshold { &self.second } else { &self.first }
+    }
 }
 
 impl Material for Patched {
@@ -66,13 +79,15 @@ impl Material for Patched {
             second: part(args, "second", builder)?,
             mask: builder.number(args, "mask")?,
             threshold: args.number("threshold")?,
-            bump: bump(args, builder)?,
         })
     }
 
     fn finish(&self, point: &PatternPoint) -> Finish {
-        let second = self.mask.eval(point) >= self.threshold;
-        if second { self.second.finish(point) } else { self.first.finish(point) }
+        self.at(point).finish(point)
+    }
+
+    fn relief<'a>(&'a self, point: &PatternPoint, relief: &mut Relief<'a>) {
+        self.at(point).relief(point, relief);
     }
 
     fn is_opaque(&self) -> bool {
@@ -84,13 +99,15 @@ impl Material for Patched {
     }
 
     fn interior(&self) -> Interior {
-        // One object has one inside.
-        let first = self.first.interior();
-        if first == self.second.interior() { first } else { Interior::PLAIN }
+        common(&self.first, &self.second)
     }
 
-    fn bump(&self) -> Option<&Bump> {
-        self.bump.as_ref()
+    fn is_by_lot(&self) -> bool {
+        self.first.is_by_lot() || self.second.is_by_lot()
+    }
+
+    fn has_holes(&self) -> bool {
+        self.first.has_holes() || self.second.has_holes()
     }
 }
 
@@ -106,23 +123,27 @@ mod tests {
     use dioptric_scene::{Description, Value};
 
     #[test]
-    fn each_cell_has_its_own_material() {
+    fn each_cell_has_its_own_material_and_its_own_relief() {
         let mut scene = Description::default();
         let mut add = |schema, args: &[(&str, Value)]| {
             Value::Node(scene.push(make_node(schema, args).unwrap()))
         };
-        let first = add(crate::material::matte::Matte::SCHEMA, &[]);
+        let pattern = |kind| *crate::pattern::SCHEMAS.iter().find(|s| s.kind == kind).unwrap();
+        let noise = add(pattern("noise"), &[]);
+        let first = add(crate::material::matte::Matte::SCHEMA, &[("bump", noise.clone())]);
         let second = add(crate::material::mirror::Mirror::SCHEMA, &[]);
-        let checker = crate::pattern::SCHEMAS.iter().find(|s| s.kind == "checker").unwrap();
         let cells = [("even", Value::Number(0.0)), ("odd", Value::Number(1.0))];
-        let mask = add(checker, &cells);
-        let Value::Node(id) = add(&SCHEMA, &[("first", first), ("second", second), ("mask", mask)])
-        else {
-            panic!()
-        };
-        let tiles = with_node(&scene, id, ColorReading::Raw, Patched::from_args).unwrap();
+        let mask = add(pattern("checker"), &cells);
+        let arguments = [("first", first), ("second", second), ("mask", mask), ("bump", noise)];
+        let Value::Node(id) = add(&SCHEMA, &arguments) else { panic!() };
+        let tiles = with_node(&scene, id, ColorReading::Raw, Dressed::from_args).unwrap();
         let at = |x: f64| PatternPoint { object: DVec3::new(x, 0.5, 0.5), ..point() };
         assert_eq!(tiles.finish(&at(0.5)).optics, Optics::Opaque);
         assert!(matches!(tiles.finish(&at(1.5)).optics, Optics::Mirror { .. }));
+        for (x, bumps) in [(0.5, 2), (1.5, 1)] {
+            let mut relief = Relief::default();
+            tiles.relief(&at(x), &mut relief);
+            assert_eq!(relief.bumps.len(), bumps);
+        }
     }
 }

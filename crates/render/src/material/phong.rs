@@ -4,10 +4,8 @@
 use dioptric_math::Spectrum;
 use dioptric_scene::{Args, Category, Default, Diagnostic, Param, Schema, Type};
 
-use super::shared::{
-    AMBIENT, BUMP, BUMP_HEIGHT, EMISSION, Gloss, HIGHLIGHT_COLOR, MODEL, bump, unit,
-};
-use super::{Bump, Finish, Material, Optics, Reflectance};
+use super::shared::{AMBIENT, Gloss, HIGHLIGHT_COLOR, MODEL, unit};
+use super::{Finish, Material, Optics, Reflectance};
 use crate::build::Builder;
 use crate::input::{ColorInput, NumberInput};
 use crate::pattern::PatternPoint;
@@ -17,17 +15,15 @@ use crate::pattern::PatternPoint;
 pub struct Phong {
     lit: Lit,
     mirror: NumberInput,
-    bump: Option<Bump>,
 }
 
-/// The lit sum that `phong` and `clear` share: ambient, diffuse, highlight and emission.
+/// The lit sum that `phong` and `clear` share: ambient, diffuse and highlight.
 #[derive(Clone, Debug)]
 pub(super) struct Lit {
     color: ColorInput,
     ambient: NumberInput,
     diffuse: NumberInput,
     gloss: Gloss,
-    emission: ColorInput,
 }
 
 /// `color` of the materials with a lit sum.
@@ -63,13 +59,7 @@ impl Lit {
             ambient: builder.number(args, "ambient")?,
             diffuse: builder.number(args, "diffuse")?,
             gloss: Gloss::from_args(args, builder)?,
-            emission: builder.color(args, "emission")?,
         })
-    }
-
-    /// Whether its own light is not black everywhere.
-    pub(super) fn may_shine(&self) -> bool {
-        !matches!(self.emission, ColorInput::Constant(Spectrum::ZERO))
     }
 
     /// The lit sum's parts at a point.
@@ -79,7 +69,6 @@ impl Lit {
             ambient: color * unit(&self.ambient, point),
             diffuse: color * unit(&self.diffuse, point),
             highlight: self.gloss.at(point),
-            emission: self.emission.eval(point),
             ..Finish::matte(color)
         }
     }
@@ -117,9 +106,6 @@ static SCHEMA: Schema = Schema {
         DIFFUSE,
         MODEL,
         HIGHLIGHT_COLOR,
-        EMISSION,
-        BUMP,
-        BUMP_HEIGHT,
     ],
     example: "sphere(center = (0, 1, 0), radius = 1, material = phong(\"royalblue\", specular = 1, exponent = 60))",
 };
@@ -128,11 +114,7 @@ impl Material for Phong {
     const SCHEMA: &'static Schema = &SCHEMA;
 
     fn from_args(args: &Args, builder: &mut Builder) -> Result<Self, Diagnostic> {
-        Ok(Self {
-            lit: Lit::from_args(args, builder)?,
-            mirror: builder.number(args, "mirror")?,
-            bump: bump(args, builder)?,
-        })
+        Ok(Self { lit: Lit::from_args(args, builder)?, mirror: builder.number(args, "mirror")? })
     }
 
     fn finish(&self, point: &PatternPoint) -> Finish {
@@ -143,14 +125,6 @@ impl Material for Phong {
             Optics::Mirror { reflect: Reflectance::constant(mirror), roughness: 0.0, covers: false }
         };
         Finish { optics, ..self.lit.finish(point) }
-    }
-
-    fn may_shine(&self) -> bool {
-        self.lit.may_shine()
-    }
-
-    fn bump(&self) -> Option<&Bump> {
-        self.bump.as_ref()
     }
 }
 

@@ -4,10 +4,8 @@
 use dioptric_math::Spectrum;
 use dioptric_scene::{Args, Category, Default, Diagnostic, Param, Schema, Type};
 
-use super::shared::{
-    AMBIENT, BUMP, BUMP_HEIGHT, Glint, ROUGHNESS, SHARP_EXPONENT, bump, unit, unit_color,
-};
-use super::{Bump, Finish, Material, Optics, Reflectance};
+use super::shared::{AMBIENT, Glint, ROUGHNESS, SHARP_EXPONENT, unit, unit_color};
+use super::{Finish, Material, Optics, Reflectance};
 use crate::build::Builder;
 use crate::input::{ColorInput, NumberInput};
 use crate::pattern::PatternPoint;
@@ -21,7 +19,6 @@ pub struct Plastic {
     reflectance: f64,
     roughness: NumberInput,
     glint: Glint,
-    bump: Option<Bump>,
 }
 
 static SCHEMA: Schema = Schema {
@@ -58,8 +55,6 @@ static SCHEMA: Schema = Schema {
         ),
         SHARP_EXPONENT,
         AMBIENT,
-        BUMP,
-        BUMP_HEIGHT,
     ],
     example: "sphere(center = (0, 1, 0), radius = 1, material = plastic(\"crimson\"))",
 };
@@ -76,7 +71,6 @@ impl Material for Plastic {
             reflectance: root * root,
             roughness: builder.number(args, "roughness")?,
             glint: Glint::from_args(args, builder)?,
-            bump: bump(args, builder)?,
         })
     }
 
@@ -96,10 +90,6 @@ impl Material for Plastic {
             },
             ..Finish::matte(color)
         }
-    }
-
-    fn bump(&self) -> Option<&Bump> {
-        self.bump.as_ref()
     }
 }
 

@@ -4,7 +4,7 @@
 use dioptric_math::Spectrum;
 use dioptric_scene::{Args, Default, Diagnostic, Param, Type};
 
-use super::{Bump, Highlight, HighlightModel};
+use super::{Highlight, HighlightModel};
 use crate::build::Builder;
 use crate::input::{ColorInput, NumberInput};
 use crate::pattern::PatternPoint;
@@ -66,39 +66,8 @@ pub(super) const SHADOW: Param = Param::new(
     "How dark its shadow is where the scene's shadows are tinted: 1 opaque, 0 none; the material's own share if absent.",
 );
 
-/// `emission`.
-pub(super) const EMISSION: Param =
-    Param::new("emission", Type::ColorPattern, Default::Number(0.0), "Light of its own.");
-
-/// `bump`.
-pub(super) const BUMP: Param = Param::new(
-    "bump",
-    Type::NumberPattern { min: f64::NEG_INFINITY, max: f64::INFINITY },
-    Default::Absent,
-    "A pattern of heights that makes the surface look uneven; only the shading changes.",
-);
-
-/// `bump_height`.
-pub(super) const BUMP_HEIGHT: Param = Param::new(
-    "bump_height",
-    Type::NUMBER,
-    Default::Number(0.1),
-    "Height that the value 1 of `bump` stands for, in units of the object; negative for dents.",
-);
-
 /// The widest and the sharpest highlight that a roughness gives.
 const EXPONENTS: (f64, f64) = (1.0, 400.0);
-
-/// The bump map of a material with [`BUMP`] and [`BUMP_HEIGHT`]. A constant height changes nothing.
-pub(super) fn bump(args: &Args, builder: &mut Builder) -> Result<Option<Bump>, Diagnostic> {
-    if !args.is_written("bump") {
-        return Ok(None);
-    }
-    let height = builder.number(args, "bump")?;
-    let scale = args.number("bump_height")?;
-    let flat = matches!(height, NumberInput::Constant(_)) || scale == 0.0;
-    Ok((!flat).then_some(Bump { height, scale }))
-}
 
 /// `x` forced into `[0, largest]`; NaN, which `clamp` would keep, counts as 0.
 fn within(x: f64, largest: f64) -> f64 {

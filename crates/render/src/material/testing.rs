@@ -17,6 +17,7 @@ pub(crate) fn point() -> PatternPoint {
         uv: DVec2::new(0.25, 0.75),
         object_normal: DVec3::Z,
         world_normal: DVec3::Z,
+        lot: 0.5,
     }
 }
 

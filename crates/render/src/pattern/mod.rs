@@ -45,6 +45,9 @@ pub struct PatternPoint {
     pub object_normal: DVec3,
     /// The unit shading normal in the space of the scene's root, outward.
     pub world_normal: DVec3,
+    /// A number in `[0, 1)` that belongs to the ray that asks: by it materials choose that are several things
+    /// at once. Patterns do not look at it.
+    pub lot: f64,
 }
 
 impl PatternPoint {
@@ -55,6 +58,7 @@ impl PatternPoint {
         uv: DVec2::ZERO,
         object_normal: DVec3::Y,
         world_normal: DVec3::Y,
+        lot: 0.5,
     };
 }
 

@@ -66,7 +66,14 @@ pub(crate) fn pattern(kind: &str, args: &[(&str, Value)]) -> AnyPattern {
 pub(crate) fn at(x: f64, y: f64, z: f64) -> PatternPoint {
     let p = DVec3::new(x, y, z);
     let n = dioptric_math::normalize(p).unwrap_or(DVec3::Y);
-    PatternPoint { object: p, world: p, uv: DVec2::new(x, y), object_normal: n, world_normal: n }
+    PatternPoint {
+        object: p,
+        world: p,
+        uv: DVec2::new(x, y),
+        object_normal: n,
+        world_normal: n,
+        lot: 0.5,
+    }
 }
 
 /// A grey.

@@ -57,6 +57,7 @@ impl Pattern for Transformed {
             uv: back.transform_point3(point.uv.extend(0.0)).truncate(),
             object_normal: normal(point.object_normal),
             world_normal: normal(point.world_normal),
+            lot: point.lot,
         })
     }
 }

@@ -121,6 +121,7 @@ impl Background {
             uv: DVec2::new(u, v),
             object_normal: d,
             world_normal: d,
+            lot: 0.5,
         }
     }
 }

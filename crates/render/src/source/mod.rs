@@ -303,13 +303,14 @@ impl Sources {
     }
 }
 
-/// What a surface shines by itself, seen from outside or inside. The light of things that are transparent by shares
-/// is a part of their own share, which shows on their outside.
+/// What a surface shines by itself, seen from outside or inside: transparent things shine on their outside. The light
+/// of those that are transparent by shares is a part of their own share.
 #[must_use]
 pub fn shining(finish: &Finish, outside: bool) -> Spectrum {
     match finish.optics {
+        _ if !finish.present => Spectrum::ZERO,
         Optics::Shares { own, .. } if outside => finish.emission * own,
-        Optics::Shares { .. } => Spectrum::ZERO,
+        Optics::Shares { .. } | Optics::Dielectric { .. } if !outside => Spectrum::ZERO,
         _ => finish.emission,
     }
 }

@@ -169,8 +169,8 @@ impl<R: Recorder> Paths<'_, '_, R> {
             let sharp = matte.looks.pdf[lane] == f64::INFINITY;
             let value = match matte.found.best(lane) {
                 None => value,
-                Some(_) if !sharp => continue,
-                Some(hit) => value * self.shadowed(&matte.rays.query(lane), &hit.id),
+                Some(_) if !sharp && !self.scene.has_holes => continue,
+                Some(hit) => value * self.shadowed(&matte.rays.query(lane), &hit.id, sharp),
             };
             self.radiances[path.sample as usize].color += value;
         }

@@ -27,6 +27,7 @@ use dioptric_math::{DVec3, Spectrum};
 use super::media::{Inside, Media};
 use super::recorder::{RayKind, Recorder};
 use super::resolve::Spare;
+use super::shadow::Start;
 use crate::bsdf::Bsdf;
 use crate::film::{FirstHit, Radiance};
 use crate::sampling::stream::Stream;
@@ -206,8 +207,7 @@ impl<'a, 'r, R: Recorder> Paths<'a, 'r, R> {
             let visible = match blocker {
                 _ if scene.insides.borders => self.through_borders(query, task.inside, task.sharp),
                 None => Spectrum::ONE,
-                Some(_) if !task.sharp => Spectrum::ZERO,
-                Some(id) => self.shadowed(query, id),
+                Some(id) => self.shadowed(query, id, task.sharp),
             };
             let value = task.value * visible;
             if visible != Spectrum::ZERO {
@@ -224,14 +224,20 @@ impl<'a, 'r, R: Recorder> Paths<'a, 'r, R> {
         round.told.clear();
     }
 
-    /// What the scene lets through of a sharp light that something hides.
-    fn shadowed(&self, query: &Query, blocker: &HitId) -> Spectrum {
-        match self.scene.settings.shadows {
-            Shadows::Opaque => Spectrum::ZERO,
-            Shadows::None => Spectrum::ONE,
-            Shadows::Tinted if self.scene.is_opaque(*blocker) => Spectrum::ZERO,
-            Shadows::Tinted => self.scene.tinted(query),
+    /// What the scene lets through of a light that something hides: of sharp ones as it says, of others holes.
+    fn shadowed(&self, query: &Query, blocker: &HitId, sharp: bool) -> Spectrum {
+        let scene = self.scene;
+        let tinted = match scene.settings.shadows {
+            Shadows::None if sharp => return Spectrum::ONE,
+            Shadows::Tinted => sharp,
+            Shadows::None | Shadows::Opaque => false,
+        };
+        if scene.is_opaque(*blocker) || !(tinted || scene.has_holes) {
+            return Spectrum::ZERO;
         }
+        let (mut hits, departure) = (Vec::new(), query.departure());
+        scene.world.hits(&query.ray, query.t_max, departure.as_ref(), &mut hits);
+        scene.passes(&Start::of(query), query.t_max, tinted, hits.iter())
     }
 
     /// What is left of light over a distance, by what the path is in.

@@ -135,15 +135,7 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
     ) -> bool {
         let scene = self.scene;
         let found = hit.and_then(|hit| {
-            resolve(
-                scene,
-                &self.media,
-                &query.ray,
-                || query.departure(),
-                hit,
-                path.inside,
-                &mut round.spare,
-            )
+            resolve(scene, &self.media, &query.ray, || *query, hit, path.inside, &mut round.spare)
         });
         let t = found.as_ref().map_or(f64::INFINITY, |(hit, _)| hit.t);
         let way = if scene.insides.scatter {

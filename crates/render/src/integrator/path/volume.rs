@@ -342,16 +342,15 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
         let scene = self.scene;
         let (mut hits, departure) = (Vec::new(), query.departure());
         scene.world.hits(&query.ray, query.t_max, departure.as_ref(), &mut hits);
-        let from = departure.map(|d| d.from);
-        let start = Start { ray: &query.ray, from, contacts: query.contacts() };
+        let start = Start::of(query);
         let (mut left, mut inside, mut at) = (Spectrum::ONE, inside, 0.0);
         for hit in hits.iter().filter(|hit| hit.t < query.t_max) {
             let Some(shading) = scene.shading(&query.ray, hit) else { continue };
-            if start.stays_off(hit, &shading.surface) {
+            if !shading.finish.present || start.stays_off(hit, &shading.surface) {
                 continue;
             }
             if !scene.interior(hit.id).border {
-                return if sharp { self.shadowed(query, &hit.id) } else { Spectrum::ZERO };
+                return if sharp { self.shadowed(query, &hit.id, true) } else { Spectrum::ZERO };
             }
             left *= self.transmittance(inside, hit.t - at);
             at = hit.t;
