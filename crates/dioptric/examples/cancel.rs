@@ -29,7 +29,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             stop.store(true, Ordering::Relaxed);
         }
     };
-    let control = Control { cancel, on_progress: Some(&watch) };
+    let control = Control { cancel, on_progress: Some(&watch), ..Control::default() };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     let film = picture::render(&scene, Region::full(scene.settings.size), &pool, &control)
         .map_err(|e| e.message)?;

@@ -14,6 +14,7 @@ use crate::integrator::{
     whitted::Whitted,
 };
 use crate::job::{self, Control, Shoot, Shot};
+use crate::parts::{self, Part, Wanted};
 use crate::region::Region;
 use crate::sampling::{PixelSample, Stream};
 use crate::scene::Scene;
@@ -31,6 +32,21 @@ pub fn render(
     control: &Control,
 ) -> Result<Film, Diagnostic> {
     job::render(&scene.settings, region, pool, &Camera { scene }, control)
+}
+
+/// Makes the samples of a range that a part of a scene's picture misses: see [`parts::render`].
+///
+/// # Errors
+/// There is not enough memory.
+pub fn render_part(
+    scene: &Scene,
+    wanted: &Wanted,
+    part: &mut Part,
+    pool: &ThreadPool,
+    control: &Control,
+    watch: &(dyn Fn(&parts::Progress<'_>) + Sync),
+) -> Result<bool, Diagnostic> {
+    parts::render(&scene.settings, wanted, part, pool, &Camera { scene }, control, watch)
 }
 
 /// Shoots a scene's samples.

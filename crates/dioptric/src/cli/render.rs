@@ -108,7 +108,11 @@ pub fn run(args: &RenderArgs, terminal: &Terminal) -> Result<(), Failure> {
         let started = Instant::now();
         let bar = Bar::new(terminal, &task.output.to_string());
         let show = |progress: &dioptric::render::job::Progress| bar.update(progress);
-        let control = Control { cancel: interrupt.flag.clone(), on_progress: Some(&show) };
+        let control = Control {
+            layers: args.layers,
+            cancel: interrupt.flag.clone(),
+            on_progress: Some(&show),
+        };
         interrupt.busy(true);
         let film = picture::render(&scene, region, &pool, &control);
         bar.finish();
@@ -157,7 +161,7 @@ pub fn run(args: &RenderArgs, terminal: &Terminal) -> Result<(), Failure> {
 
 /// How much of a stopped picture there is.
 fn done(film: &Film, scene: &Scene) -> String {
-    let finished = film.pixels().iter().filter(|p| p.finished).count();
+    let finished = film.pixels().iter().filter(|p| p.is_finished()).count();
     let share = 100.0 * finished as f64 / film.pixels().len().max(1) as f64;
     let mean = film.samples() as f64 / film.pixels().len().max(1) as f64;
     format!("{share:.1} % of the pixels, {mean:.2} of {} samples a pixel", scene.settings.samples)
@@ -228,8 +232,7 @@ impl RenderArgs {
     ) -> Result<Vec<u8>, Failure> {
         let wrong = |e| Failure::image(&task.output.to_string(), &e);
         // An unfinished picture is transparent where there is nothing yet.
-        let full = film.to_layers(!film.finished()).map_err(wrong)?;
-        let mut layers = if self.layers { full } else { Layers::from(full.picture) };
+        let mut layers = film.to_layers(!film.finished()).map_err(wrong)?;
         if self.grid {
             let Region { x, y, .. } = film.region();
             layers.picture = scene.develop.picture(&layers.picture);
@@ -261,9 +264,9 @@ impl RenderArgs {
 /// Samples of each pixel in false colours, the most of any pixel at the upper end.
 fn sample_map(film: &Film, output: &Output) -> Result<Vec<u8>, Failure> {
     let wrong = |e| Failure::image(&output.to_string(), &e);
-    let most = film.pixels().iter().map(|p| p.count).max().unwrap_or(1).max(1);
+    let most = film.pixels().iter().map(|p| p.count()).max().unwrap_or(1).max(1);
     let colors = film.pixels().iter().map(|p| {
-        let [r, g, b] = ramp::false_colour(f64::from(p.count) / f64::from(most));
+        let [r, g, b] = ramp::false_colour(f64::from(p.count()) / f64::from(most));
         [r, g, b, 1.0]
     });
     let Region { width, height, .. } = film.region();

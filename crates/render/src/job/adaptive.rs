@@ -21,7 +21,7 @@ use std::sync::atomic::AtomicBool;
 use dioptric_math::DVec3;
 
 use super::{Region, Shoot, Shot};
-use crate::film::{FilmPixel, FirstHit, Radiance};
+use crate::film::{FilmPixel, FirstHit, PixelSum, Radiance};
 use crate::sampling::{Antialias, pixel_sample};
 use crate::setting::render::RenderSettings;
 use crate::stats::RayCounts;
@@ -190,7 +190,8 @@ pub fn samples_of_pixel(settings: &RenderSettings, pixel: [u32; 2], shoot: &dyn 
     }
     let around = Region { x: pixel[0], y: pixel[1], width: 1, height: 1 }.grown(settings.size);
     let summary = |place: [u32; 2], samples: std::ops::Range<u32>| {
-        let (mut film, mut summary) = (FilmPixel::default(), Summary::default());
+        let (mut sum, mut summary) = (PixelSum::new(false), Summary::default());
+        sum.start(samples.start, &FilmPixel::default(), None);
         let shots: Vec<Shot> = samples
             .map(|index| pixel_sample(settings, place, index))
             .map(|(sample, stream)| Shot { sample, stream })
@@ -199,10 +200,10 @@ pub fn samples_of_pixel(settings: &RenderSettings, pixel: [u32; 2], shoot: &dyn 
         let never = AtomicBool::new(false);
         shoot.shoot(&shots, &mut RayCounts::default(), &never, &mut radiances);
         for (shot, radiance) in shots.iter().zip(&radiances) {
-            film.add(shot.sample.weight, radiance);
+            sum.add(shot.sample.weight, radiance);
             summary.add(radiance);
         }
-        summary.finish(&film);
+        summary.finish(&sum.finish().0);
         summary
     };
     let base = 0..settings.samples;

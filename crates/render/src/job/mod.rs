@@ -10,6 +10,7 @@ mod borders;
 mod pass;
 mod refine;
 
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -69,6 +70,8 @@ impl<F: Fn(&PixelSample, &mut Stream, &mut RayCounts) -> Radiance + Sync> Shoot 
 /// How a job is watched and stopped.
 #[derive(Clone, Default)]
 pub struct Control<'a> {
+    /// Whether the film keeps what the camera rays hit first, for layers.
+    pub layers: bool,
     /// Set it to stop: the film so far comes back within about the time of one sample.
     pub cancel: Arc<AtomicBool>,
     /// Called after every tile, by one thread at a time.
@@ -111,7 +114,7 @@ pub fn render(
     let adaptive = settings.antialias == Antialias::Adaptive;
     let around = if adaptive { region.grown(settings.size) } else { region };
     let mut state = State {
-        film: pool.install(|| Film::new(region))?,
+        film: pool.install(|| Film::new(region, control.layers))?,
         choice: if adaptive { Some(pool.install(|| Choice::new(around))?) } else { None },
         progress: PassProgress {
             pass: 0,
@@ -124,7 +127,8 @@ pub fn render(
     let side = around.tile_side();
     let samples = 0..settings.samples;
     let complete = work_through(pool, &around.tiles(), control, |tile| {
-        let mut sampled = sample_tile(settings, tile, samples.clone(), shoot, control);
+        let all = |_| true;
+        let mut sampled = sample_tile(settings, tile, samples.clone(), all, shoot, control);
         let mut wanted = Vec::new();
         if adaptive {
             wanted = choose_within(settings, &tile, side, &mut sampled);
@@ -135,6 +139,49 @@ pub fn render(
         refine(settings, choice, pool, shoot, control, &mut state);
     }
     Ok(state.film)
+}
+
+/// Gives all pixels of a film that are not finished these samples, which are the first that they get; they are finished then.
+/// When cancelled, pixels that were cut off are left as they were.
+#[must_use]
+pub fn render_samples(
+    settings: &RenderSettings,
+    samples: Range<u32>,
+    film: Film,
+    pool: &ThreadPool,
+    shoot: &dyn Shoot,
+    control: &Control,
+) -> Film {
+    let region = film.region();
+    let waits = |film: &Film, [x, y]: [u32; 2]| film.pixel(x, y).is_some_and(|p| !p.is_finished());
+    let mut tiles = region.tiles();
+    tiles.retain(|tile| tile.pixels().any(|place| waits(&film, place)));
+    let total = film.pixels().iter().filter(|p| !p.is_finished()).count() as u64;
+    let progress = PassProgress { pass: 0, passes: 1, done: 0, total };
+    let mut state = State { film, choice: None, progress };
+    let shared = Mutex::new(&mut state);
+    work_through(pool, &tiles, control, |tile| {
+        let waiting: Vec<bool> = {
+            let film = &lock(&shared).film;
+            tile.pixels().map(|place| waits(film, place)).collect()
+        };
+        let wanted = |pixel: usize| waiting.get(pixel).copied().unwrap_or(false);
+        let sampled = sample_tile(settings, tile, samples.clone(), wanted, shoot, control);
+        lock(&shared).store(tile, &sampled, Vec::new(), control);
+    });
+    state.film
+}
+
+/// The samples of a pixel that has `count` of them, stage by stage, as they are added up.
+#[must_use]
+pub fn stages(settings: &RenderSettings, count: u32) -> Vec<Range<u32>> {
+    let ends = match settings.antialias {
+        Antialias::Adaptive => [settings.samples, adaptive::first_share(settings), count],
+        _ => [count; 3],
+    };
+    let starts = [0, ends[0], ends[1]];
+    let stages = starts.into_iter().zip(ends).map(|(start, end)| start..end.min(count));
+    stages.filter(|stage| !stage.is_empty()).collect()
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
@@ -164,17 +211,20 @@ impl State {
         for row in 0..height as usize {
             let own = row * width..(row + 1) * width;
             let (Some(pixels), Some(complete)) =
-                (tile.pixels.get(own.clone()), tile.complete.get(own))
+                (tile.pixels.get(own.clone()), tile.complete.get(own.clone()))
             else {
                 continue;
             };
+            let firsts = tile.firsts.get(own).unwrap_or_default();
             self.progress.done += complete.iter().filter(|complete| **complete).count() as u64;
             // Tiles of what is around the film may stick out of it.
             for (column, (pixel, _)) in
                 pixels.iter().zip(complete).enumerate().filter(|(_, (_, complete))| **complete)
             {
-                if let Some(slot) = self.film.pixel_mut(x + column as u32, y + row as u32) {
+                let slots = self.film.slots(x + column as u32, y + row as u32);
+                if let Some((slot, first)) = slots {
                     *slot = *pixel;
+                    first.into_iter().zip(firsts.get(column)).for_each(|(slot, new)| *slot = *new);
                 }
             }
         }

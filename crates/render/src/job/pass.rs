@@ -8,7 +8,7 @@ use rayon::ThreadPool;
 
 use super::adaptive::Summary;
 use super::{Control, Region, Shoot, Shot};
-use crate::film::{FilmPixel, Radiance};
+use crate::film::{FilmPixel, FirstSums, PixelSum, Radiance};
 use crate::sampling::{Antialias, pixel_sample};
 use crate::setting::render::RenderSettings;
 use crate::stats::RayCounts;
@@ -16,6 +16,8 @@ use crate::stats::RayCounts;
 /// The samples of some pixels, in the order in which these were given: of a tile row by row.
 pub(super) struct Sampled {
     pub pixels: Vec<FilmPixel>,
+    /// What their camera rays hit first, where that is kept; else empty.
+    pub firsts: Vec<FirstSums>,
     /// Which of them got all their samples; the others were cut off.
     pub complete: Vec<bool>,
     /// Of what was added here, in adaptive pictures; else empty.
@@ -59,26 +61,30 @@ pub(super) const BATCH: usize = 512;
 /// be so in the picture, in both directions.
 pub(super) const BLOCK: u32 = 4;
 
-/// Takes the first samples of a tile's pixels, which are finished then.
+/// Takes the first samples of a tile's pixels, of those that are `wanted` by their numbers in the tile; they are finished
+/// then.
 pub(super) fn sample_tile(
     settings: &RenderSettings,
     tile: Region,
     samples: Range<u32>,
+    wanted: impl Fn(usize) -> bool,
     shoot: &dyn Shoot,
     control: &Control,
 ) -> Sampled {
     let count = tile.area() as usize;
     let places = blocks(&tile).into_iter().filter_map(|[x, y]| Some((tile.index(x, y)?, [x, y])));
+    let places = places.filter(|(pixel, _)| wanted(*pixel));
     let mut new = FilmPixel::default();
-    new.finished = true;
-    sample(settings, places, vec![new; count], samples, shoot, control)
+    new.set_finished(true);
+    let firsts = if control.layers { vec![FirstSums::default(); count] } else { Vec::new() };
+    sample(settings, places, (vec![new; count], firsts), samples, shoot, control)
 }
 
 /// Adds samples to pixels; `places` are their numbers in `base` and in the picture, in the order of shooting.
 pub(super) fn sample(
     settings: &RenderSettings,
     places: impl Iterator<Item = (usize, [u32; 2])>,
-    base: Vec<FilmPixel>,
+    (base, firsts): (Vec<FilmPixel>, Vec<FirstSums>),
     samples: Range<u32>,
     shoot: &dyn Shoot,
     control: &Control,
@@ -88,6 +94,9 @@ pub(super) fn sample(
         shoot,
         control,
         base,
+        firsts,
+        sum: PixelSum::new(control.layers),
+        first: samples.start,
         wanted: samples.len() as u32,
         shots: Vec::with_capacity(BATCH),
         pixels_of: Vec::with_capacity(BATCH),
@@ -135,6 +144,11 @@ struct Work<'a> {
     control: &'a Control<'a>,
     /// The pixels with what was added.
     base: Vec<FilmPixel>,
+    firsts: Vec<FirstSums>,
+    /// The pixel that is being added up: all samples of one come before those of the next.
+    sum: PixelSum,
+    /// The first sample that each pixel gets.
+    first: u32,
     /// How many samples each pixel gets.
     wanted: u32,
     shots: Vec<Shot>,
@@ -158,11 +172,21 @@ impl Work<'_> {
         for ((shot, radiance), &pixel) in
             self.shots.iter().zip(&self.radiances).zip(&self.pixels_of)
         {
-            self.base[pixel].add(shot.sample.weight, radiance);
+            if self.added[pixel] == 0 {
+                self.sum.start(self.first, &self.base[pixel], self.firsts.get(pixel));
+            }
+            self.sum.add(shot.sample.weight, radiance);
             if let Some(summary) = self.summaries.get_mut(pixel) {
                 summary.add(radiance);
             }
             self.added[pixel] += 1;
+            if self.added[pixel] == self.wanted {
+                let (sum, firsts) = self.sum.finish();
+                self.base[pixel] = sum;
+                if let Some(slot) = self.firsts.get_mut(pixel) {
+                    *slot = firsts;
+                }
+            }
         }
         let complete = self.radiances.len() == self.shots.len();
         self.shots.clear();
@@ -172,11 +196,11 @@ impl Work<'_> {
 
     /// The pixels that got all their samples.
     fn finish(self) -> Sampled {
-        let Self { base, wanted, mut summaries, added, rays, .. } = self;
+        let Self { base, firsts, wanted, mut summaries, added, rays, .. } = self;
         for (summary, pixel) in summaries.iter_mut().zip(&base) {
             summary.finish(pixel);
         }
         let complete = added.into_iter().map(|n| n == wanted).collect();
-        Sampled { pixels: base, complete, summaries, rays }
+        Sampled { pixels: base, firsts, complete, summaries, rays }
     }
 }

@@ -16,7 +16,7 @@ use super::adaptive::{self, Summary};
 use super::borders::{Borders, is_outer};
 use super::pass::{BATCH, BLOCK, Sampled, blocks, sample, work_through};
 use super::{Control, PassProgress, Region, Shoot, State, lock};
-use crate::film::{Film, FilmPixel};
+use crate::film::{Film, FilmPixel, FirstSums};
 use crate::setting::render::RenderSettings;
 
 /// The most samples of a part, in batches: what is left over of the last one should not matter.
@@ -41,7 +41,7 @@ pub(super) fn choose_within(
     }
     let wanted = adaptive::wanted_within(settings, tile, &sampled.summaries);
     for ((pixel, wanted), place) in sampled.pixels.iter_mut().zip(&wanted).zip(tile.pixels()) {
-        pixel.finished = !wanted && !is_outer(side, place);
+        pixel.set_finished(!wanted && !is_outer(side, place));
     }
     let found = blocks(tile).into_iter().filter_map(|[x, y]| {
         let i = tile.index(x, y)?;
@@ -96,7 +96,7 @@ impl Choice {
                 if adaptive::unlike_neighbour(settings, place, at) {
                     all.extend(at(place).map(|summary| (place, *summary)));
                 } else {
-                    pixel.finished = true;
+                    pixel.set_finished(true);
                 }
             }
             if all.len() > inner {
@@ -127,9 +127,11 @@ pub(super) fn refine(
     let parts: Vec<&[Wanted]> = chosen.chunks(length).collect();
     let shared = Mutex::new(state);
     work_through(pool, &parts, control, |part: &[Wanted]| {
-        let base: Vec<FilmPixel> = {
+        let base: (Vec<FilmPixel>, Vec<FirstSums>) = {
             let film = &lock(&shared).film;
-            part.iter().map(|([x, y], _)| film.pixel(*x, *y).copied().unwrap_or_default()).collect()
+            let pixels = part.iter().map(|([x, y], _)| film.pixel(*x, *y).copied());
+            let firsts = part.iter().filter_map(|([x, y], _)| film.first(*x, *y).copied());
+            (pixels.map(Option::unwrap_or_default).collect(), firsts.collect())
         };
         let sampled = refine_part(settings, part, base, shoot, control);
         lock(&shared).store_refined(part, &sampled, control);
@@ -140,7 +142,7 @@ pub(super) fn refine(
 fn refine_part(
     settings: &RenderSettings,
     part: &[Wanted],
-    base: Vec<FilmPixel>,
+    base: (Vec<FilmPixel>, Vec<FirstSums>),
     shoot: &dyn Shoot,
     control: &Control,
 ) -> Sampled {
@@ -156,9 +158,14 @@ fn refine_part(
         sampled.complete[i] && own.is_uneven(settings.threshold)
     };
     let wanted: Vec<usize> = (0..part.len()).filter(uneven).collect();
-    let base = wanted.iter().map(|&i| sampled.pixels[i]).collect();
+    let pixels = wanted.iter().map(|&i| sampled.pixels[i]).collect();
+    let firsts = wanted.iter().filter_map(|&i| sampled.firsts.get(i).copied()).collect();
     let rest = wanted.iter().map(|&i| part[i].0).enumerate();
-    let more = sample(settings, rest, base, share..settings.max_samples, shoot, control);
+    let more =
+        sample(settings, rest, (pixels, firsts), share..settings.max_samples, shoot, control);
+    for (&i, first) in wanted.iter().zip(more.firsts) {
+        sampled.firsts[i] = first;
+    }
     for ((i, pixel), complete) in wanted.into_iter().zip(more.pixels).zip(more.complete) {
         sampled.pixels[i] = pixel;
         // Not where it was cancelled meanwhile.
@@ -172,12 +179,11 @@ impl State {
     /// Stores pixels with all their samples.
     fn store_refined(&mut self, part: &[Wanted], sampled: &Sampled, control: &Control) {
         let [mut low, mut high] = [[u32::MAX; 2], [0; 2]];
-        for ((&([x, y], _), pixel), _) in
-            part.iter().zip(&sampled.pixels).zip(&sampled.complete).filter(|(_, done)| **done)
-        {
-            if let Some(slot) = self.film.pixel_mut(x, y) {
-                *slot = *pixel;
-                slot.finished = true;
+        for (i, &([x, y], _)) in part.iter().enumerate().filter(|(i, _)| sampled.complete[*i]) {
+            if let Some((slot, first)) = self.film.slots(x, y) {
+                *slot = sampled.pixels[i];
+                slot.set_finished(true);
+                first.into_iter().zip(sampled.firsts.get(i)).for_each(|(slot, new)| *slot = *new);
             }
             (low, high) = ([low[0].min(x), low[1].min(y)], [high[0].max(x), high[1].max(y)]);
             self.progress.done += 1;

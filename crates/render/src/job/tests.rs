@@ -47,18 +47,19 @@ fn edge(sample: &PixelSample, _: &mut Stream, rays: &mut RayCounts) -> Radiance 
 }
 
 fn picture(settings: &RenderSettings, region: Region, threads: usize, shoot: &dyn Shoot) -> Film {
-    render(settings, region, &pool(threads), shoot, &Control::default()).unwrap()
+    let control = Control { layers: true, ..Control::default() };
+    render(settings, region, &pool(threads), shoot, &control).unwrap()
 }
 
 /// Every number of a film as bits.
 fn bits(film: &Film) -> Vec<[u32; 4]> {
-    let layers = |p: &crate::film::FilmPixel| {
+    let layers = |(p, f): (&crate::film::FilmPixel, &crate::film::FirstSums)| {
         [p.rgba().map(f32::to_bits), {
-            let [x, y, z] = p.normal().map(f32::to_bits);
-            [x, y, z, p.depth.to_bits() ^ p.object ^ p.count]
+            let [x, y, z] = f.normal(p.count()).map(f32::to_bits);
+            [x, y, z, f.depth.to_bits() ^ f.object ^ p.count()]
         }]
     };
-    film.pixels().iter().flat_map(layers).collect()
+    film.pixels().iter().zip(film.firsts().unwrap()).flat_map(layers).collect()
 }
 
 const MODES: [Antialias; 6] = [
@@ -118,13 +119,14 @@ fn every_pixel_is_the_sum_that_its_weights_say() {
             let film = picture(&s, Region::full(s.size), 2, &waves);
             for [x, y] in Region::full(s.size).pixels() {
                 let pixel = film.pixel(x, y).unwrap();
-                assert_eq!(pixel.count, samples_of_pixel(&s, [x, y], &waves), "{mode:?}");
-                let weights = crate::sampling::pixel_weights(&s, [x, y], pixel.count);
+                assert_eq!(pixel.count(), samples_of_pixel(&s, [x, y], &waves), "{mode:?}");
+                let weights = crate::sampling::pixel_weights(&s, [x, y], pixel.count());
                 assert!((weights.iter().sum::<f64>() - 1.0).abs() < 1e-12);
-                let sum = (0..pixel.count).zip(weights).fold(Spectrum::ZERO, |sum, (i, weight)| {
-                    let (sample, mut stream) = crate::sampling::pixel_sample(&s, [x, y], i);
-                    sum + weight * waves(&sample, &mut stream, &mut RayCounts::default()).color
-                });
+                let sum =
+                    (0..pixel.count()).zip(weights).fold(Spectrum::ZERO, |sum, (i, weight)| {
+                        let (sample, mut stream) = crate::sampling::pixel_sample(&s, [x, y], i);
+                        sum + weight * waves(&sample, &mut stream, &mut RayCounts::default()).color
+                    });
                 assert!((sum - pixel.linear()).length() < 1e-12, "{mode:?} {filter:?}");
             }
         }
@@ -167,7 +169,7 @@ fn adaptive_refines_both_sides_of_an_edge_and_nothing_else() {
     // The edge lies between two pixels, which are even themselves: they get their first share.
     for [x, y] in Region::full(s.size).pixels() {
         let expected = if x == 31 || x == 32 { 8 } else { 4 };
-        assert_eq!(film.pixel(x, y).unwrap().count, expected, "{x},{y}");
+        assert_eq!(film.pixel(x, y).unwrap().count(), expected, "{x},{y}");
     }
     assert_eq!(film.samples(), 64 * 40 * 4 + 2 * 40 * 4);
     assert_eq!(film.rays.camera, film.samples());
@@ -178,7 +180,7 @@ fn adaptive_refines_both_sides_of_an_edge_and_nothing_else() {
     let film = picture(&s, Region::full(s.size), 2, &moved);
     for [x, y] in Region::full(s.size).pixels() {
         let expected = [4, 8, 16, 8][if (31..=33).contains(&x) { x as usize - 30 } else { 0 }];
-        assert_eq!(film.pixel(x, y).unwrap().count, expected, "{x},{y}");
+        assert_eq!(film.pixel(x, y).unwrap().count(), expected, "{x},{y}");
         assert_eq!(samples_of_pixel(&s, [x, y], &moved), expected, "{x},{y}");
     }
 }
@@ -204,7 +206,7 @@ fn adaptive_equals_sobol_with_as_many_samples() {
     let mut pixels_of = [0; 3];
     for [x, y] in region.pixels() {
         let pixel = film.pixel(x, y).unwrap();
-        let which = counts.iter().position(|n| *n == pixel.count).unwrap();
+        let which = counts.iter().position(|n| *n == pixel.count()).unwrap();
         assert_eq!(Some(pixel), evenly[which].pixel(x, y), "{x},{y}");
         pixels_of[which] += 1;
     }
@@ -271,7 +273,8 @@ fn a_cancelled_job_keeps_its_finished_tiles() {
                 cancel.store(true, Ordering::Relaxed);
             }
         };
-        let control = Control { cancel: cancel.clone(), on_progress: Some(&watch) };
+        let control =
+            Control { cancel: cancel.clone(), on_progress: Some(&watch), ..Control::default() };
         let film = render(&s, region, &pool(1), &waves, &control).unwrap();
         assert!(!film.finished());
         let seen = seen.lock().unwrap();
@@ -279,11 +282,14 @@ fn a_cancelled_job_keeps_its_finished_tiles() {
         for [x, y] in region.pixels() {
             let pixel = film.pixel(x, y).unwrap();
             if seen.iter().any(|tile| tile.index(x, y).is_some()) {
-                assert!(pixel.count >= 4);
-                assert!(!pixel.finished || Some(pixel) == whole.pixel(x, y), "{x},{y}");
-                assert!(pixel.finished || mode == Antialias::Adaptive);
+                assert!(pixel.count() >= 4);
+                assert!(!pixel.is_finished() || Some(pixel) == whole.pixel(x, y), "{x},{y}");
+                assert!(pixel.is_finished() || mode == Antialias::Adaptive);
             } else {
-                assert_eq!((pixel.count, pixel.rgba(), pixel.finished), (0, [0.0; 4], false));
+                assert_eq!(
+                    (pixel.count(), pixel.rgba(), pixel.is_finished()),
+                    (0, [0.0; 4], false)
+                );
             }
         }
     }
@@ -300,12 +306,15 @@ fn cancelling_does_not_wait_for_the_tile() {
         }
         waves(sample, stream, rays)
     };
-    let control = Control { cancel: cancel.clone(), on_progress: None };
+    let control = Control { cancel: cancel.clone(), ..Control::default() };
     let film = render(&s, Region::full(s.size), &pool(1), &shoot, &control).unwrap();
     assert_eq!(shots.load(Ordering::Relaxed), 1001);
     // The pixels that were complete before are kept; the one that was cut off is not.
-    assert_eq!(film.pixels().iter().filter(|p| p.finished && p.count == 64).count(), 1000 / 64);
-    assert_eq!(film.pixels().iter().filter(|p| p.count == 0).count(), 256 - 1000 / 64);
+    assert_eq!(
+        film.pixels().iter().filter(|p| p.is_finished() && p.count() == 64).count(),
+        1000 / 64
+    );
+    assert_eq!(film.pixels().iter().filter(|p| p.count() == 0).count(), 256 - 1000 / 64);
 }
 
 #[test]
@@ -318,7 +327,7 @@ fn progress_counts_every_pixel_of_every_pass() {
             assert!(p.passes == passes && (p.pass, p.done) > *last && p.done <= p.total);
             assert_eq!(p.total, if p.pass == 0 { 2000 } else { 80 });
             let [x, y] = p.tile.pixels().next().unwrap();
-            assert!(p.film.pixel(x, y).unwrap().count > 0);
+            assert!(p.film.pixel(x, y).unwrap().count() > 0);
             *last = (p.pass, p.done);
         };
         let control = Control { on_progress: Some(&watch), ..Control::default() };
@@ -330,9 +339,9 @@ fn progress_counts_every_pixel_of_every_pass() {
 
 #[test]
 fn memory_is_the_film_and_little_more() {
-    // 80 bytes of film and, while an adaptive picture is made, 76 bytes of summary for each pixel beside another tile
+    // 40 bytes of film and, while an adaptive picture is made, 76 bytes of summary for each pixel beside another tile
     // and 84 for each that is refined.
-    assert_eq!((size_of::<crate::film::FilmPixel>(), size_of::<adaptive::Summary>()), (80, 76));
+    assert_eq!((size_of::<crate::film::FilmPixel>(), size_of::<adaptive::Summary>()), (40, 76));
     let huge = Region::full([u32::MAX, u32::MAX]);
     let s = RenderSettings { size: [u32::MAX, u32::MAX], ..settings(Antialias::Sobol, 1, [1, 1]) };
     let error = render(&s, huge, &pool(1), &edge, &Control::default()).unwrap_err();

@@ -9,9 +9,9 @@ mod paths;
 
 use serde::Serialize;
 
-use crate::film::FilmPixel;
+use crate::film::{FilmPixel, PixelSum};
 use crate::integrator::recorder::{Node, TreeRecorder};
-use crate::job::samples_of_pixel;
+use crate::job::{samples_of_pixel, stages};
 use crate::picture::{Camera, shoot};
 use crate::sampling::{pixel_sample, pixel_weights};
 use crate::scene::Scene;
@@ -77,18 +77,21 @@ pub fn explain(scene: &Scene, x: u32, y: u32) -> Option<Pixel> {
     let count = samples_of_pixel(settings, [x, y], &Camera { scene });
     let weights = pixel_weights(settings, [x, y], count);
     let mut film = FilmPixel::default();
+    let mut sum = PixelSum::new(false);
     let mut rays = RayCounts::default();
-    let samples: Vec<Sample> = weights
-        .into_iter()
-        .enumerate()
-        .map(|(index, weight)| {
-            let (place, stream) = pixel_sample(settings, [x, y], index as u32);
+    let mut samples = Vec::with_capacity(weights.len());
+    for stage in stages(settings, count) {
+        sum.start(stage.start, &film, None);
+        for (index, &weight) in stage.clone().zip(&weights[stage.start as usize..]) {
+            let (place, stream) = pixel_sample(settings, [x, y], index);
             let mut recorder = TreeRecorder::default();
             let radiance = shoot(scene, &place, stream, &mut rays, &mut recorder);
-            film.add(place.weight, &radiance);
-            Sample { weight, position: [place.x, place.y], ray: recorder.into_root() }
-        })
-        .collect();
+            sum.add(place.weight, &radiance);
+            let position = [place.x, place.y];
+            samples.push(Sample { weight, position, ray: recorder.into_root() });
+        }
+        (film, _) = sum.finish();
+    }
     let [r, g, b, alpha] = film.rgba();
     let linear = [r, g, b];
     let develop =

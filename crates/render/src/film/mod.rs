@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The film: what the samples of each pixel add up to, in linear light.
 //!
-//! A pixel keeps sums in `f64` and a count, filled in the order of its samples, so its bits depend on
-//! no other pixel and on no thread. Its colour is sum(w L) / sum(w). Beside the colour it keeps what
-//! the camera rays hit first: normals and albedo as the plain mean over the samples (those that hit
-//! nothing count as zero); depth and object of the first sample, number 0, since a mean of two
-//! distances or two names is neither.
+//! A pixel keeps sums in `f64` and a count, filled by the numbers of its samples ([`pieces`]), so its bits
+//! depend on no other pixel, on no thread and on no split of its samples. Its colour is sum(w L) / sum(w).
+//! Where it is asked for, what the camera rays hit first is kept beside it: [`FirstSums`].
+
+pub mod pieces;
+mod pixel;
+mod sum;
 
 use dioptric_image::{Encoding, Image, LayerData, Layers};
 use dioptric_math::{DVec3, Spectrum};
@@ -14,6 +16,10 @@ use rayon::iter::IndexedParallelIterator;
 
 use crate::region::Region;
 use crate::stats::RayCounts;
+
+use pieces::Join;
+pub use pixel::{FilmPixel, FirstSums};
+pub use sum::PixelSum;
 
 /// What one camera sample brings home.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,107 +63,25 @@ impl FirstHit {
     };
 }
 
-/// The sums of one pixel.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FilmPixel {
-    /// Sum of weight times colour.
-    pub color: Spectrum,
-    /// Sum of weight times alpha.
-    pub alpha: f64,
-    /// Sum of weights.
-    pub weight: f64,
-    /// Samples added; 0 in a pixel that has not been rendered.
-    pub count: u32,
-    /// Object of sample 0.
-    pub object: u32,
-    /// Distance of sample 0.
-    pub depth: f32,
-    /// Whether no more samples will come.
-    pub finished: bool,
-    normal: [f32; 3],
-    albedo: [f32; 3],
-}
-
-impl Default for FilmPixel {
-    fn default() -> Self {
-        Self {
-            color: Spectrum::ZERO,
-            alpha: 0.0,
-            weight: 0.0,
-            count: 0,
-            object: FirstHit::NOTHING,
-            depth: f32::INFINITY,
-            finished: false,
-            normal: [0.0; 3],
-            albedo: [0.0; 3],
-        }
-    }
-}
-
-impl FilmPixel {
-    /// Adds the next sample.
-    pub fn add(&mut self, weight: f64, radiance: &Radiance) {
-        let first = &radiance.first;
-        if self.count == 0 {
-            self.object = first.object;
-            self.depth = first.depth as f32;
-        }
-        self.color += radiance.color * weight;
-        self.alpha += radiance.alpha * weight;
-        self.weight += weight;
-        self.count += 1;
-        for (sum, part) in [(&mut self.normal, first.normal), (&mut self.albedo, first.albedo)] {
-            for (sum, part) in sum.iter_mut().zip(part.to_array()) {
-                *sum += part as f32;
-            }
-        }
-    }
-
-    /// The pixel's light; black where there are no samples.
-    #[must_use]
-    pub fn linear(&self) -> Spectrum {
-        if self.count == 0 { Spectrum::ZERO } else { self.color / self.weight }
-    }
-
-    /// The pixel as it goes into files: light, and how much of it is covered, 0 to 1.
-    #[must_use]
-    pub fn rgba(&self) -> [f32; 4] {
-        if self.count == 0 {
-            return [0.0; 4];
-        }
-        let [r, g, b] = self.linear().to_array().map(|c| c as f32);
-        [r, g, b, (self.alpha / self.weight).clamp(0.0, 1.0) as f32]
-    }
-
-    /// Mean normal over the samples.
-    #[must_use]
-    pub fn normal(&self) -> [f32; 3] {
-        self.normal.map(|c| c / self.count.max(1) as f32)
-    }
-
-    /// Mean albedo over the samples.
-    #[must_use]
-    pub fn albedo(&self) -> [f32; 3] {
-        self.albedo.map(|c| c / self.count.max(1) as f32)
-    }
-}
-
 /// A rendered region of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
     region: Region,
     pixels: Vec<FilmPixel>,
+    /// Of each pixel, where it was asked for.
+    firsts: Option<Vec<FirstSums>>,
     /// The rays that were cast for it, those for neighbours of a crop included.
     pub rays: RayCounts,
 }
 
 impl Film {
-    /// A film without samples.
+    /// A film without samples, of light alone or with `layers` of what was hit first.
     ///
     /// # Errors
     /// There is not enough memory.
-    pub fn new(region: Region) -> Result<Self, Diagnostic> {
-        Ok(Self { region, pixels: filled(&region)?, rays: RayCounts::default() })
+    pub fn new(region: Region, layers: bool) -> Result<Self, Diagnostic> {
+        let firsts = if layers { Some(filled(&region)?) } else { None };
+        Ok(Self { region, pixels: filled(&region)?, firsts, rays: RayCounts::default() })
     }
 
     /// The region of the full picture that this is.
@@ -178,6 +102,72 @@ impl Film {
         &self.pixels
     }
 
+    /// What the camera rays of all pixels hit first, where it was asked for.
+    #[must_use]
+    pub fn firsts(&self) -> Option<&[FirstSums]> {
+        self.firsts.as_deref()
+    }
+
+    /// What the camera rays of a pixel hit first, where it is kept.
+    #[must_use]
+    pub fn first(&self, x: u32, y: u32) -> Option<&FirstSums> {
+        self.firsts.as_ref()?.get(self.region.index(x, y)?)
+    }
+
+    /// A pixel and what its camera rays hit first, where that is kept.
+    pub(crate) fn slots(
+        &mut self,
+        x: u32,
+        y: u32,
+    ) -> Option<(&mut FilmPixel, Option<&mut FirstSums>)> {
+        let index = self.region.index(x, y)?;
+        let first = self.firsts.as_mut().and_then(|firsts| firsts.get_mut(index));
+        Some((self.pixels.get_mut(index)?, first))
+    }
+
+    /// All of them.
+    pub(crate) fn all_mut(&mut self) -> (&mut [FilmPixel], Option<&mut [FirstSums]>) {
+        (&mut self.pixels, self.firsts.as_deref_mut())
+    }
+
+    /// A copy.
+    ///
+    /// # Errors
+    /// There is not enough memory.
+    pub(crate) fn try_clone(&self) -> Result<Self, Diagnostic> {
+        self.cropped(self.region)
+    }
+
+    /// Adds the film of later samples of the same region.
+    pub(crate) fn join(&mut self, later: &Self) {
+        for (pixel, later) in self.pixels.iter_mut().zip(&later.pixels) {
+            pixel.join(later);
+        }
+        let firsts = self.firsts.iter_mut().flatten();
+        for (first, later) in firsts.zip(later.firsts.iter().flatten()) {
+            first.join(later);
+        }
+        self.rays.add(&later.rays);
+    }
+
+    /// The part of it that lies in a smaller region.
+    ///
+    /// # Errors
+    /// There is not enough memory.
+    pub(crate) fn cropped(&self, region: Region) -> Result<Self, Diagnostic> {
+        let mut part = Self::new(region, self.firsts.is_some())?;
+        part.rays = self.rays;
+        for [x, y] in region.pixels() {
+            let Some(from) = self.region.index(x, y) else { continue };
+            if let Some((pixel, first)) = part.slots(x, y) {
+                *pixel = self.pixels[from];
+                let kept = self.firsts.as_ref().and_then(|firsts| firsts.get(from));
+                first.into_iter().zip(kept).for_each(|(first, kept)| *first = *kept);
+            }
+        }
+        Ok(part)
+    }
+
     pub(crate) fn pixel_mut(&mut self, x: u32, y: u32) -> Option<&mut FilmPixel> {
         let index = self.region.index(x, y)?;
         self.pixels.get_mut(index)
@@ -187,17 +177,17 @@ impl Film {
     /// without samples are black and transparent.
     #[must_use]
     pub fn finished(&self) -> bool {
-        self.pixels.iter().all(|p| p.finished)
+        self.pixels.iter().all(FilmPixel::is_finished)
     }
 
     /// Samples of all pixels.
     #[must_use]
     pub fn samples(&self) -> u64 {
-        self.pixels.iter().map(|p| u64::from(p.count)).sum()
+        self.pixels.iter().map(|p| u64::from(p.count())).sum()
     }
 
-    /// The picture in linear light with the layers `depth`, `normal`, `albedo`, `object` and
-    /// `samples`; with alpha where `has_alpha`, else opaque.
+    /// The picture in linear light, with alpha where `has_alpha`, else opaque; and the layers `depth`, `normal`,
+    /// `albedo`, `object` and `samples` where what was hit first is kept.
     ///
     /// # Errors
     /// The region is empty.
@@ -208,12 +198,15 @@ impl Film {
             Image::from_pixels(self.region.width, self.region.height, colors, Encoding::Raw)?;
         picture.has_alpha = has_alpha;
         let mut layers = Layers::from(picture);
-        let all = &self.pixels;
-        layers.push("depth", LayerData::Scalar(all.iter().map(|p| p.depth).collect()))?;
-        layers.push("normal", LayerData::Vector(all.iter().map(FilmPixel::normal).collect()))?;
-        layers.push("albedo", LayerData::Color(all.iter().map(FilmPixel::albedo).collect()))?;
-        layers.push("object", LayerData::Id(all.iter().map(|p| p.object).collect()))?;
-        layers.push("samples", LayerData::Id(all.iter().map(|p| p.count).collect()))?;
+        let Some(firsts) = &self.firsts else { return Ok(layers) };
+        let all = || firsts.iter().zip(&self.pixels).map(|(first, pixel)| (first, pixel.count()));
+        let normals = all().map(|(first, count)| first.normal(count)).collect();
+        let albedos = all().map(|(first, count)| first.albedo(count)).collect();
+        layers.push("depth", LayerData::Scalar(firsts.iter().map(|p| p.depth).collect()))?;
+        layers.push("normal", LayerData::Vector(normals))?;
+        layers.push("albedo", LayerData::Color(albedos))?;
+        layers.push("object", LayerData::Id(firsts.iter().map(|p| p.object).collect()))?;
+        layers.push("samples", LayerData::Id(all().map(|(_, count)| count).collect()))?;
         Ok(layers)
     }
 }
@@ -257,35 +250,39 @@ mod tests {
         Radiance { color: Spectrum::splat(color), alpha: 1.0, first }
     }
 
+    fn sum(samples: &[(f64, Radiance)]) -> (FilmPixel, FirstSums) {
+        let mut sum = PixelSum::new(true);
+        sum.start(0, &FilmPixel::default(), None);
+        samples.iter().for_each(|(weight, radiance)| sum.add(*weight, radiance));
+        sum.finish()
+    }
+
     #[test]
     fn a_pixel_is_the_weighted_mean_of_its_samples() {
-        let mut pixel = FilmPixel::default();
-        assert_eq!((pixel.rgba(), pixel.normal()), ([0.0; 4], [0.0; 3]));
-        pixel.add(1.0, &hit(0.5, 7));
-        pixel.add(1.0, &hit(0.25, 8));
-        pixel.add(-1.0, &hit(1.0, 9));
+        assert_eq!(FilmPixel::default().rgba(), [0.0; 4]);
+        assert_eq!(FirstSums::default().normal(0), [0.0; 3]);
+        let (pixel, first) = sum(&[(1.0, hit(0.5, 7)), (1.0, hit(0.25, 8)), (-1.0, hit(1.0, 9))]);
         assert_eq!(pixel.rgba(), [-0.25, -0.25, -0.25, 1.0]);
-        assert_eq!((pixel.object, pixel.depth, pixel.count), (7, 7.0, 3));
-        assert_eq!(pixel.normal(), [0.0, 0.0, 1.0]);
-        assert!((pixel.albedo()[0] - 1.75 / 3.0).abs() < 1e-6);
+        assert_eq!((first.object, first.depth, pixel.count()), (7, 7.0, 3));
+        assert_eq!(first.normal(3), [0.0, 0.0, 1.0]);
+        assert!((first.albedo(3)[0] - 1.75 / 3.0).abs() < 1e-6);
     }
 
     #[test]
     fn misses_are_transparent_and_infinitely_far() {
-        let mut pixel = FilmPixel::default();
         let miss = Radiance { color: Spectrum::ZERO, alpha: 0.0, first: FirstHit::NONE };
-        pixel.add(1.0, &miss);
-        pixel.add(1.0, &hit(1.0, 3));
+        let (pixel, first) = sum(&[(1.0, miss), (1.0, hit(1.0, 3))]);
         assert_eq!(pixel.rgba(), [0.5; 4]);
-        assert_eq!((pixel.object, pixel.depth), (FirstHit::NOTHING, f32::INFINITY));
-        assert_eq!(pixel.normal(), [0.0, 0.0, 0.5]);
+        assert_eq!((first.object, first.depth), (FirstHit::NOTHING, f32::INFINITY));
+        assert_eq!(first.normal(2), [0.0, 0.0, 0.5]);
     }
 
     #[test]
     fn films_are_found_by_the_full_pictures_coordinates() {
-        let mut film = Film::new(Region { x: 10, y: 20, width: 3, height: 2 }).unwrap();
-        film.pixel_mut(12, 21).unwrap().add(1.0, &hit(1.0, 5));
-        assert_eq!(film.pixels()[5].count, 1);
+        let mut film = Film::new(Region { x: 10, y: 20, width: 3, height: 2 }, true).unwrap();
+        let (pixel, first) = film.slots(12, 21).unwrap();
+        (*pixel, *first.unwrap()) = sum(&[(1.0, hit(1.0, 5))]);
+        assert_eq!(film.pixels()[5].count(), 1);
         assert!(film.pixel(9, 20).is_none() && film.pixel(13, 20).is_none());
         let layers = film.to_layers(true).unwrap();
         assert_eq!(layers.picture.get(2, 1), Some([1.0; 4]));
@@ -296,6 +293,6 @@ mod tests {
     #[test]
     fn too_large_films_are_refused_before_memory_is_taken() {
         let region = Region { x: 0, y: 0, width: u32::MAX, height: u32::MAX };
-        assert_eq!(Film::new(region).unwrap_err().code, "out-of-memory");
+        assert_eq!(Film::new(region, false).unwrap_err().code, "out-of-memory");
     }
 }
