@@ -62,6 +62,7 @@ pub struct SurfacePoint {
 }
 
 impl From<LocalSurface> for SurfacePoint {
+    #[inline(always)]
     fn from(s: LocalSurface) -> Self {
         let LocalSurface { point, error, normal, shading_normal, .. } = s;
         Self { point, error, normal, shading_normal }

@@ -47,6 +47,8 @@ pub struct SceneMaterial {
     pub uniform: Option<Finish>,
     /// Whether it lets no light pass anywhere.
     pub opaque: bool,
+    /// Whether paths find the same matte surface everywhere, and nothing else.
+    pub matte: bool,
     /// What its inside does to light, besides absorbing it.
     pub interior: Interior,
     /// Whether rays may pass it as if it were not there.
@@ -66,7 +68,9 @@ impl SceneMaterial {
             None => material.is_opaque(),
         };
         let (interior, holes) = (material.interior(), material.has_holes());
-        Self { material, uniform: answer, opaque, interior, holes, by_lot }
+        let is_matte = |finish: &Finish| finish.is_matte() && finish.emission == Spectrum::ZERO;
+        let matte = answer.as_ref().is_some_and(is_matte) && !holes && !by_lot;
+        Self { material, uniform: answer, opaque, matte, interior, holes, by_lot }
     }
 }
 

@@ -159,6 +159,18 @@ macro_rules! registry {
                 }
             }
 
+            /// [`Self::surface_point`], inlined where that is short: what is written to memory as a whole and read
+            /// at once makes the processor wait.
+            #[inline(always)]
+            #[must_use]
+            pub fn surface_point_inline(&self, point: DVec3, part: u32) -> SurfacePoint {
+                match self {
+                    Self::Rectangle(s) => s.surface_point(point, part),
+                    Self::Sphere(s) => s.surface_point(point, part),
+                    other => other.surface_point(point, part),
+                }
+            }
+
             /// See [`Shape::surface_point`].
             #[must_use]
             pub fn surface_point(&self, point: DVec3, part: u32) -> SurfacePoint {

@@ -8,7 +8,7 @@ use dioptric_scene::{Args, Category, Default, Diagnostic, Param, Schema, Type};
 use super::convex::{plane_root, root};
 use crate::bounds::Bounds;
 use crate::ray::LocalRay;
-use crate::shape::{Crossing, Described, LocalSurface, Root, Shape};
+use crate::shape::{Crossing, Described, LocalSurface, Root, Shape, SurfacePoint};
 
 /// A flat parallelogram, hit from both sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -144,6 +144,12 @@ impl Shape for Rectangle {
 
     fn crossings(&self, _ray: &LocalRay, _out: &mut Vec<Crossing>) {}
 
+    #[inline(always)]
+    fn surface_point(&self, point: DVec3, part: u32) -> SurfacePoint {
+        self.surface(point, part).into()
+    }
+
+    #[inline(always)]
     fn surface(&self, point: DVec3, _part: u32) -> LocalSurface {
         let offset = point - self.corner;
         let uv = DVec2::new(offset.dot(self.dual_u), offset.dot(self.dual_v))

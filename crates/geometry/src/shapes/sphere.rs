@@ -144,6 +144,7 @@ impl Shape for Sphere {
         LocalSurface { point, error, normal, shading_normal, uv, dpdu, dpdv }
     }
 
+    #[inline(always)]
     fn surface_point(&self, point: DVec3, _part: u32) -> SurfacePoint {
         let normal = normalize(point - self.center).unwrap_or(DVec3::Y);
         let point = self.center + normal * self.radius;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The queries. All of them are one walk, [`World::visit`], with different things done at the objects.
 
-use super::{Hit, Instance, Level, Object, Surface, World};
+use super::{Hit, Instance, Level, NO_TRANSFORM, Object, Surface, World};
 use crate::bvh::lanes::apart;
 use crate::bvh::{Counter, NoCount};
 use crate::ray::{Contacts, Departure, HitId, Leaving, LocalRay, Ray};
@@ -262,6 +262,17 @@ impl World {
         let own = object.shape.surface_point(local.at(hit.t), hit.id.part);
         let placed = of_object.map_or(own, |t| t.surface_point_to_world(&own));
         Some(of_instance.map_or(placed, |t| t.surface_point_to_world(&placed)))
+    }
+
+    /// [`Self::surface_point`], inlined where that is short.
+    #[inline(always)]
+    #[must_use]
+    pub fn surface_point_inline(&self, ray: &Ray, hit: &Hit) -> Option<SurfacePoint> {
+        let object = self.object(hit.id.object)?;
+        if hit.id.instance == HitId::NO_INSTANCE && object.transform == NO_TRANSFORM {
+            return Some(object.shape.surface_point_inline(ray.at(hit.t), hit.id.part));
+        }
+        self.surface_point(ray, hit)
     }
 
     /// The surface at a hit of `ray`. `None` where the hit is not of this world.

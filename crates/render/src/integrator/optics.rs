@@ -12,6 +12,7 @@ pub fn reflect(direction: DVec3, n: DVec3) -> DVec3 {
 
 /// The shading normal on the side of the surface from which a direction comes. Where it would be seen from
 /// behind nevertheless, bent as it is, it is turned just so far that it is not.
+#[inline(always)]
 #[must_use]
 pub fn facing(direction: DVec3, geometric: DVec3, shading: DVec3) -> DVec3 {
     let n = if direction.dot(geometric) > 0.0 { -shading } else { shading };

@@ -42,6 +42,7 @@ pub(super) struct Point<'a> {
 
 impl<'a> Point<'a> {
     /// The point where a ray that left `departure` hit something.
+    #[inline(always)]
     pub fn new(ray: &Ray, hit: Hit, shading: Shading<'a>, departure: Option<&Departure>) -> Self {
         let Shading { surface, finish } = shading;
         let outside = ray.direction.dot(surface.normal) <= 0.0;
@@ -91,6 +92,7 @@ impl<'a> Point<'a> {
     }
 
     /// The geometric normal, facing the incoming ray.
+    #[inline(always)]
     pub fn geometric(&self) -> DVec3 {
         if self.outside { self.surface.normal } else { -self.surface.normal }
     }
@@ -131,6 +133,7 @@ pub(super) fn refracted(direction: DVec3, n: DVec3, geometric: DVec3, eta: f64) 
 }
 
 /// Whether a hit is where its ray begins, within the error bounds.
+#[inline(always)]
 pub(super) fn touches(ray: &Ray, hit: &Hit, s: &SurfacePoint) -> bool {
     hit.t * ray.direction.dot(s.normal).abs() <= s.error + ray.error
 }

@@ -62,12 +62,6 @@ impl Stream {
         Self { dimension: self.dimension + times as u64, ..*self }
     }
 
-    /// Whether its numbers are Sobol's.
-    #[must_use]
-    pub(crate) const fn is_sobol(&self) -> bool {
-        matches!(self.kind, Kind::Sobol)
-    }
-
     /// The numbers for the second of two ways that part here; the first goes on with this stream.
     #[must_use]
     pub fn forked(&self) -> Self {

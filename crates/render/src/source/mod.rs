@@ -160,6 +160,11 @@ impl Sources {
         emitters.len() as u32 - 1
     }
 
+    /// Whether a ray may pass some: see [`Self::passed`].
+    pub(crate) const fn can_be_passed(&self) -> bool {
+        !self.sized.is_empty()
+    }
+
     /// Whether there are none.
     #[must_use]
     pub fn is_empty(&self) -> bool {

@@ -4,18 +4,19 @@
 
 use std::f64::consts::FRAC_1_PI;
 
-use dioptric_geometry::world::{Bundle, Found, Leave, Sixteen};
+use dioptric_geometry::world::{Bundle, Found, Hit, Leave, Sixteen};
 use dioptric_math::wide::{Kernel, wide};
 use dioptric_math::{DVec3, Spectrum, orthonormal_basis};
 
 use super::vertex::{MOST, SURE, share};
-use super::{Path, Paths, Round};
+use super::{Path, Paths, Round, Wave};
 use crate::bsdf::{cosine_pdf, raised_disc};
 use crate::integrator::lit::{Vectors, get, put};
-use crate::integrator::media::Inside;
 use crate::integrator::point::Point;
 use crate::integrator::recorder::Recorder;
+use crate::sampling::Antialias;
 use crate::sampling::stream::Streams;
+use crate::scene::{Answer, Scene, Shading};
 use crate::setting::render::LightSampling;
 use crate::source::Looks;
 
@@ -23,8 +24,12 @@ const LANES: usize = Bundle::LANES;
 const ZERO: Vectors = [[0.0; LANES]; 3];
 
 /// Up to sixteen points, with the paths that came there.
-pub(super) struct Matte<I> {
-    paths: Vec<Path<I>>,
+pub(super) struct Matte {
+    count: usize,
+    /// Which path of the wave came to each.
+    numbers: [u32; LANES],
+    /// Whether some of them are inside of something.
+    inside: bool,
     /// Rays towards sources. Those that go on start where they do.
     rays: Bundle,
     /// Has the shading normals, too.
@@ -46,10 +51,12 @@ pub(super) struct Matte<I> {
     found: Found,
 }
 
-impl<I> Matte<I> {
+impl Matte {
     pub fn new() -> Self {
         Self {
-            paths: Vec::with_capacity(LANES),
+            count: 0,
+            numbers: [0; LANES],
+            inside: false,
             rays: Bundle::EMPTY,
             looks: Looks::EMPTY,
             geometric: ZERO,
@@ -69,34 +76,76 @@ impl<I> Matte<I> {
 
     /// Adds a point; whether there are sixteen now.
     #[inline(always)]
-    pub fn push(&mut self, path: Path<I>, point: &Point) -> bool {
-        let lane = self.paths.len() % LANES;
+    pub(super) fn push<P>(
+        &mut self,
+        number: usize,
+        path: &Path<P>,
+        throughput: Spectrum,
+        point: &Point,
+    ) -> bool {
+        let lane = self.count % LANES;
+        self.numbers[lane] = number as u32;
+        self.inside |= path.inside.is_some();
         put(&mut self.rays.origin, lane, point.surface.point);
         (self.rays.error[lane], self.rays.time[lane]) = (point.surface.error, point.ray.time);
         self.rays.leaves[lane] = Leave::back(point.hit.id, point.outside, point.arrived);
         put(&mut self.looks.normal, lane, point.normal);
         put(&mut self.geometric, lane, point.geometric());
         put(&mut self.albedo, lane, point.finish.diffuse);
-        put(&mut self.throughput, lane, path.throughput);
+        put(&mut self.throughput, lane, throughput);
         self.squeezed[lane] = path.squeezed;
         self.unsure[lane] = if path.depth + 1 > SURE { 1.0 } else { 0.0 };
         self.streams.set(lane, &path.stream);
-        self.paths.push(path);
-        self.paths.len() == LANES
+        self.count += 1;
+        self.count == LANES
     }
 }
 
+/// Whether matte points of a scene are taken sixteen at a time: not where space between things does more than to dim
+/// light.
+pub(super) fn in_lanes(scene: &Scene) -> bool {
+    let insides = &scene.insides;
+    let clear = !insides.borders && !insides.scatter && scene.fog.is_none();
+    clear && scene.settings.antialias != Antialias::Jitter && !scene.sources.can_be_passed()
+}
+
 impl<R: Recorder> Paths<'_, '_, R> {
-    /// Whether matte points of this scene are taken sixteen at a time.
-    pub(super) fn in_lanes(&self, path: &Path<R::Id>) -> bool {
-        let insides = &self.scene.insides;
-        !R::ENABLED && path.stream.is_sobol() && !insides.borders && !insides.scatter
+    /// Takes a point if it is a matte one: if nothing but the point itself adds to its path there.
+    #[inline(always)]
+    pub(super) fn meet_matte(
+        &mut self,
+        now: &Wave<R::Id>,
+        number: usize,
+        bundle: &Bundle,
+        hit: Option<Hit>,
+        round: &mut Round<R::Id>,
+    ) -> bool {
+        let (scene, path) = (self.scene, &now.paths[number]);
+        let (true, Some(hit)) = (self.in_lanes && path.inside.is_none(), hit) else { return false };
+        let material = &scene.materials[scene.material_index(hit.id)];
+        let (true, Some(finish)) = (material.matte, &material.uniform) else { return false };
+        if path.depth > scene.settings.bounces {
+            return false;
+        }
+        let ray = bundle.ray(number);
+        let Some(surface) = scene.world.surface_point_inline(&ray, &hit) else { return false };
+        let shading = Shading { surface, finish: Answer::Same(finish) };
+        let departure = bundle.leaves[number % LANES].departure();
+        let point = Point::new(&ray, hit, shading, departure.as_ref());
+        let throughput = path.throughput * scene.surroundings.transmittance(hit.t);
+        if path.depth == 0 {
+            self.radiances[path.sample as usize].first = point.first_hit(scene);
+        }
+        if round.matte.push(number, path, throughput, &point) {
+            self.scatter_matte(now, round);
+        }
+        true
     }
 
     /// Lights the matte points and sends their paths on.
-    pub(super) fn scatter_matte(&mut self, round: &mut Round<R::Id>) {
-        let Round { matte, next_rays, next_paths, .. } = round;
-        let count = matte.paths.len();
+    pub(super) fn scatter_matte(&mut self, now: &Wave<R::Id>, round: &mut Round<R::Id>) {
+        let Round { matte, next, .. } = round;
+        let count = std::mem::take(&mut matte.count);
         if count == 0 {
             return;
         }
@@ -107,18 +156,18 @@ impl<R: Recorder> Paths<'_, '_, R> {
         let how = scene.settings.light_sampling;
         let [bright, going] = wide(Scatter { matte, how });
         let mut lit = bright & found;
-        if !self.is_clear(matte.paths.iter().map(|path| path.inside)) {
-            lit = self.dim(matte, lit);
+        if !scene.surroundings.is_clear() || std::mem::take(&mut matte.inside) {
+            lit = self.dim(now, matte, lit, count);
         }
-        self.shine(matte, lit);
+        self.shine(now, matte, lit);
         let (mut left, mut gone) = (going & all, 0);
         while left != 0 {
             let lane = left.trailing_zeros() as usize % LANES;
             left &= left - 1;
             gone += 1;
-            let path = &matte.paths[lane];
+            let path = &now.paths[matte.numbers[lane] as usize];
             let sure = matte.unsure[lane] == 0.0;
-            next_paths.push(Path {
+            next.paths.push(Path {
                 throughput: get(&matte.throughput, lane),
                 density: matte.density[lane],
                 normal: Some(get(&matte.looks.normal, lane)),
@@ -128,23 +177,17 @@ impl<R: Recorder> Paths<'_, '_, R> {
                 stream: path.stream.ahead(if sure { 3 } else { 4 }),
                 ..*path
             });
-            next_rays.push_lane(&matte.rays, lane, get(&matte.next, lane), f64::INFINITY);
+            next.rays.push_lane(&matte.rays, lane, get(&matte.next, lane), f64::INFINITY);
         }
         self.counts.reflect += gone;
-        matte.paths.clear();
     }
 
-    /// Whether nothing around these rays dims light.
-    fn is_clear(&self, mut inside: impl Iterator<Item = Inside>) -> bool {
-        let scene = self.scene;
-        scene.fog.is_none() && scene.surroundings.is_clear() && inside.all(|i| i.is_none())
-    }
-
-    /// What is between dims light of sources; returns those of which some is left.
+    /// What is between things dims light of sources; returns those of which some is left.
     #[cold]
-    fn dim(&self, matte: &mut Matte<R::Id>, mut lit: u16) -> u16 {
-        for (lane, path) in matte.paths.iter().enumerate() {
-            let clear = self.transmittance(path.inside, matte.rays.t_max[lane]);
+    fn dim(&self, now: &Wave<R::Id>, matte: &mut Matte, mut lit: u16, count: usize) -> u16 {
+        for lane in 0..count {
+            let inside = now.paths[matte.numbers[lane] as usize].inside;
+            let clear = self.transmittance(inside, matte.rays.t_max[lane]);
             let value = get(&matte.value, lane) * clear;
             put(&mut matte.value, lane, value);
             if !(value.max_element() > 0.0 && value.is_finite()) {
@@ -155,7 +198,7 @@ impl<R: Recorder> Paths<'_, '_, R> {
     }
 
     /// Adds what arrives from sources.
-    fn shine(&mut self, matte: &mut Matte<R::Id>, mut lit: u16) {
+    fn shine(&mut self, now: &Wave<R::Id>, matte: &mut Matte, mut lit: u16) {
         if lit == 0 {
             return;
         }
@@ -164,7 +207,7 @@ impl<R: Recorder> Paths<'_, '_, R> {
         while lit != 0 {
             let lane = lit.trailing_zeros() as usize % LANES;
             lit &= lit - 1;
-            let path = &matte.paths[lane];
+            let path = &now.paths[matte.numbers[lane] as usize];
             let value = self.clamped(path.depth + 1, get(&matte.value, lane));
             let sharp = matte.looks.pdf[lane] == f64::INFINITY;
             let value = match matte.found.best(lane) {
@@ -178,9 +221,9 @@ impl<R: Recorder> Paths<'_, '_, R> {
 }
 
 /// Draws the numbers of all points.
-struct Numbers<'a, I>(&'a mut Matte<I>);
+struct Numbers<'a>(&'a mut Matte);
 
-impl<I> Kernel for Numbers<'_, I> {
+impl Kernel for Numbers<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -195,12 +238,12 @@ impl<I> Kernel for Numbers<'_, I> {
 
 /// Works out what light makes of the surfaces if it arrives, and where the paths go on: a bit for each of which
 /// something is left, and for each that goes on.
-struct Scatter<'a, I> {
-    matte: &'a mut Matte<I>,
+struct Scatter<'a> {
+    matte: &'a mut Matte,
     how: LightSampling,
 }
 
-impl<I> Kernel for Scatter<'_, I> {
+impl Kernel for Scatter<'_> {
     type Output = [u16; 2];
 
     #[inline(always)]

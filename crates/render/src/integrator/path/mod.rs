@@ -49,6 +49,8 @@ pub struct Paths<'a, 'r, R: Recorder> {
     media: Media,
     /// By the sample's number.
     radiances: Vec<Radiance>,
+    /// Whether matte points are taken sixteen at a time.
+    in_lanes: bool,
 }
 
 /// A path that goes on: what is known of it but for its ray.
@@ -87,15 +89,25 @@ struct Task<I> {
     inside: Inside,
 }
 
-/// Memory that the rounds of a batch use again.
-struct Round<I> {
+/// Paths with the rays that they cast next.
+struct Wave<I> {
     rays: Rays,
     paths: Vec<Path<I>>,
-    found: Vec<Found>,
+}
+
+impl<I> Default for Wave<I> {
+    fn default() -> Self {
+        Self { rays: Rays::default(), paths: Vec::with_capacity(TOGETHER) }
+    }
+}
+
+/// Memory that the rounds of a batch use again.
+struct Round<I> {
+    now: Wave<I>,
     /// Those that go on with the next step.
-    next_rays: Rays,
-    next_paths: Vec<Path<I>>,
-    matte: Matte<I>,
+    next: Wave<I>,
+    found: Vec<Found>,
+    matte: Matte,
     shadows: Vec<Query>,
     tasks: Vec<Task<I>>,
     told: Vec<Told>,
@@ -109,7 +121,8 @@ impl<'a, 'r, R: Recorder> Paths<'a, 'r, R> {
     /// Ready for one batch.
     pub fn new(scene: &'a Scene, counts: &'r mut RayCounts, recorder: &'r mut R) -> Self {
         let media = Media::new(scene.surroundings.ior);
-        Self { scene, counts, recorder, media, radiances: Vec::new() }
+        let in_lanes = matte::in_lanes(scene) && !R::ENABLED;
+        Self { scene, counts, recorder, media, radiances: Vec::new(), in_lanes }
     }
 
     /// The radiance that each camera's ray brings, and what it met first; nothing if cancelled meanwhile.
@@ -132,7 +145,7 @@ impl<'a, 'r, R: Recorder> Paths<'a, 'r, R> {
                     self.begin(&mut round, sample, ray, stream, inside);
                 }
             }
-            while !round.paths.is_empty() {
+            while !round.now.paths.is_empty() {
                 if cancel.load(Ordering::Relaxed) {
                     return Vec::new();
                 }
@@ -157,8 +170,8 @@ impl<'a, 'r, R: Recorder> Paths<'a, 'r, R> {
     ) {
         self.counts.camera += 1;
         let id = self.recorder.begin(None, RayKind::Camera, &ray);
-        round.rays.push(&Query::new(ray, f64::INFINITY, None, Contacts::CROSSED));
-        round.paths.push(Path {
+        round.now.rays.push(&Query::new(ray, f64::INFINITY, None, Contacts::CROSSED));
+        round.now.paths.push(Path {
             sample,
             id,
             throughput: Spectrum::ONE,
@@ -177,24 +190,27 @@ impl<'a, 'r, R: Recorder> Paths<'a, 'r, R> {
 
     /// Takes every path one surface further; those that go on are kept.
     fn step(&mut self, round: &mut Round<R::Id>) {
-        self.scene.world.closest_of_rays(&round.rays, &mut round.found);
-        round.next_rays.clear();
-        round.next_paths.clear();
+        let now = std::mem::take(&mut round.now);
+        self.scene.world.closest_of_rays(&now.rays, &mut round.found);
+        round.next.rays.clear();
+        round.next.paths.clear();
         let mut bsdf = Bsdf::BLACK;
-        for i in 0..round.paths.len() {
-            let (path, query) = (round.paths[i], round.rays.bundles()[i / Bundle::LANES].query(i));
+        for (i, path) in now.paths.iter().enumerate() {
+            let bundle = &now.rays.bundles()[i / Bundle::LANES];
             let hit = round.found[i / Bundle::LANES].best(i);
-            if !self.meet(path, &query, hit, &mut bsdf, round) && R::ENABLED {
+            if self.meet_matte(&now, i, bundle, hit, round) {
+                continue;
+            }
+            if !self.meet(&now, i, &bundle.query(i), hit, &mut bsdf, round) && R::ENABLED {
                 round.ended.push((path.sample, path.id));
             }
         }
-        self.scatter_matte(round);
+        self.scatter_matte(&now, round);
         self.cast_shadows(round);
         for (sample, id) in round.ended.drain(..) {
             self.recorder.end(id, Spectrum::ONE, self.radiances[sample as usize].color);
         }
-        std::mem::swap(&mut round.paths, &mut round.next_paths);
-        std::mem::swap(&mut round.rays, &mut round.next_rays);
+        round.now = std::mem::replace(&mut round.next, now);
     }
 
     /// Adds what arrives from the sources that were asked for.
@@ -273,8 +289,8 @@ impl<I> Round<I> {
     /// Keeps a path that goes on for the next step; whether there is one.
     fn go_on(&mut self, next: Option<(Path<I>, Query)>) -> bool {
         let Some((path, query)) = next else { return false };
-        self.next_paths.push(path);
-        self.next_rays.push(&query);
+        self.next.paths.push(path);
+        self.next.rays.push(&query);
         true
     }
 }
@@ -282,11 +298,9 @@ impl<I> Round<I> {
 impl<I> Default for Round<I> {
     fn default() -> Self {
         Self {
-            rays: Rays::default(),
-            paths: Vec::with_capacity(TOGETHER),
+            now: Wave::default(),
+            next: Wave::default(),
             found: Vec::with_capacity(TOGETHER / Bundle::LANES),
-            next_rays: Rays::default(),
-            next_paths: Vec::with_capacity(TOGETHER),
             matte: Matte::new(),
             shadows: Vec::with_capacity(TOGETHER),
             tasks: Vec::with_capacity(TOGETHER),

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use super::tell::{Told, What};
 use super::volume::Way;
-use super::{Path, Paths, Round, Task};
+use super::{Path, Paths, Round, Task, Wave};
 use crate::bsdf::{self, Bsdf, BsdfSample};
 use crate::integrator::media::{Medium, Sides};
 use crate::integrator::point::Point;
@@ -127,13 +127,15 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
     /// What a path's ray met; whether the path goes on.
     pub(super) fn meet(
         &mut self,
-        mut path: Path<R::Id>,
+        now: &Wave<R::Id>,
+        number: usize,
         query: &Query,
         hit: Option<Hit>,
         bsdf: &mut Bsdf,
         round: &mut Round<R::Id>,
     ) -> bool {
         let scene = self.scene;
+        let mut path = now.paths[number];
         let found = hit.and_then(|hit| {
             resolve(scene, &self.media, &query.ray, || *query, hit, path.inside, &mut round.spare)
         });
@@ -172,15 +174,15 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
         }
         self.see_glow(&path, query, &point);
         // The ray after the last bounce brings only what shines by itself: the other half of direct light.
+        let last = path.depth > scene.settings.bounces;
         let (goes_on, finish) = if way.through.is_none() {
             (round.go_on(way.turned), point.finish)
-        } else if path.depth > scene.settings.bounces && !scene.insides.overlap {
+        } else if last && !scene.insides.overlap {
             self.recorder.note(path.id, "ended", || json!("at the limit of bounces"));
             (false, point.finish)
-        } else if point.finish.is_matte() && self.in_lanes(&path) {
-            path.throughput /= way.through.unwrap_or(1.0);
-            if round.matte.push(path, &point) {
-                self.scatter_matte(round);
+        } else if self.in_lanes && !last && point.finish.is_matte() {
+            if round.matte.push(number, &path, path.throughput, &point) {
+                self.scatter_matte(now, round);
             }
             (true, point.finish)
         } else {
@@ -193,7 +195,7 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
                 // No question comes through what seems to be there.
                 path.density = f64::INFINITY;
                 round.go_on(Self::go_on(&path, &vertex.point, vertex.sides.far))
-            } else if path.depth > scene.settings.bounces {
+            } else if last {
                 self.recorder.note(path.id, "ended", || json!("at the limit of bounces"));
                 false
             } else {
