@@ -38,6 +38,14 @@ pub enum Failure {
 }
 
 impl Failure {
+    /// The same of a scene whose texts are these.
+    pub fn with_sources(self, sources: &Sources) -> Self {
+        match self {
+            Self::Scene(diagnostics, _) => Self::Scene(diagnostics, sources.clone()),
+            other => other,
+        }
+    }
+
     /// A file cannot be read.
     pub fn input(path: &str, error: &std::io::Error) -> Self {
         Self::File {

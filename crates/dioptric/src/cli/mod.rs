@@ -4,11 +4,14 @@
 
 mod compare;
 mod convert;
+mod encode;
 mod failure;
 mod frames;
 mod info;
 mod list;
+mod long;
 mod manual;
+mod merge;
 mod output;
 mod page;
 mod picture_options;
@@ -51,6 +54,7 @@ enum Command {
     Info(info::InfoArgs),
     Convert(convert::ConvertArgs),
     Compare(compare::CompareArgs),
+    Merge(merge::MergeArgs),
     List(list::ListArgs),
     Manual(manual::ManualArgs),
     Completions(CompletionsArgs),
@@ -85,6 +89,7 @@ pub fn main() -> ExitCode {
         Command::Info(args) => info::run(args, &terminal),
         Command::Convert(args) => convert::run(args, &terminal),
         Command::Compare(args) => compare::run(args),
+        Command::Merge(args) => merge::run(args),
         Command::List(args) => list::run(args),
         Command::Manual(args) => manual::run(args),
         Command::Completions(args) => completions(args),

@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use dioptric::render::job::Progress;
+use dioptric::render::parts;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::stats::count;
@@ -49,6 +50,21 @@ impl Bar {
         };
         self.bar.set_message(format!("{pass}{} rays/s", count(rate)));
         self.bar.set_position(progress.done);
+    }
+
+    /// Shows how far a picture is that is made block by block.
+    pub fn update_part(&self, progress: &parts::Progress) {
+        let job = progress.job;
+        let all = u64::from(progress.total.max(1)) * job.film.pixels().len() as u64;
+        let block = progress.block.len() as u64;
+        let done = u64::from(progress.before) * job.film.pixels().len() as u64
+            + block * (job.film.pixels().len() as u64 - (job.total - job.done));
+        if self.bar.length() != Some(all) {
+            self.bar.set_length(all);
+        }
+        let samples: usize = progress.part.ranges().iter().map(ExactSizeIterator::len).sum();
+        self.bar.set_message(format!("{samples} samples a pixel"));
+        self.bar.set_position(done.min(all));
     }
 
     /// Removes it.

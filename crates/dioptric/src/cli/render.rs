@@ -5,18 +5,20 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
-use dioptric::formats::ParamInfo;
-use dioptric::image::{
-    Depth, EncodeOptions, Encoding, FileFormat, Image, Layers, draw_grid, encode, ramp,
-};
+use dioptric::image::{EncodeOptions, Encoding, FileFormat, Image, Layers, encode, ramp};
+use dioptric::render::film::FilmPixel;
 use dioptric::render::job::Control;
+use dioptric::render::parts::{self, Wanted};
 use dioptric::render::region::Region;
 use dioptric::render::scene::Scene;
 use dioptric::render::{Film, compile, picture};
+use dioptric::scene::{Diagnostic, Loader, Sources};
 use serde_json::Value;
 
+use super::encode::{FileOptions, Labels};
 use super::failure::Failure;
 use super::frames::{Frames, frame_name};
+use super::long::{HashingLoader, Identity, LongOptions, block_size};
 use super::output::Output;
 use super::picture_options::PictureOptions;
 use super::progress::{Bar, Interrupt};
@@ -29,7 +31,8 @@ use super::terminal::{Terminal, note};
 #[command(after_help = "Examples:\n  dioptric render scenes/space.star\n  \
     dioptric render scene.star -o picture.exr --layers --samples 64\n  \
     dioptric render scene.star --set smooth=False --size 320x240 --stats stats.json\n  \
-    dioptric render spin.star --frames 1-25 -o frames/spin_####.png")]
+    dioptric render spin.star --frames 1-25 -o frames/spin_####.png\n  \
+    dioptric render scene.star --samples 4096 --checkpoint scene.part --resume")]
 pub struct RenderArgs {
     #[command(flatten)]
     scene: SceneOptions,
@@ -37,21 +40,11 @@ pub struct RenderArgs {
     /// Without it, the scene's name with .png in the present folder.
     #[arg(short, long, value_name = "FILE")]
     output: Option<String>,
-    /// The format of a picture on standard output: png, jpg, exr or hdr.
-    #[arg(long, value_name = "FORMAT", default_value = "png")]
-    to: String,
-    /// Bits of a channel in PNG: 8 or 16.
-    #[arg(long, value_name = "N", default_value = "8", value_parser = ["8", "16"])]
-    bits: String,
-    /// Quality of JPEG.
-    #[arg(long, value_name = "Q", default_value_t = 92, value_parser = clap::value_parser!(u8).range(1..=100))]
-    quality: u8,
     /// Draws pixel coordinates over the picture, so that X,Y for why can be read off.
     #[arg(long)]
     grid: bool,
-    /// Writes depth, normal, albedo, object and samples as further layers; needs .exr.
-    #[arg(long)]
-    layers: bool,
+    #[command(flatten)]
+    file: FileOptions,
     /// Writes where the samples went: a picture in false colours, white for the most.
     #[arg(long, value_name = "FILE")]
     sample_map: Option<String>,
@@ -66,12 +59,15 @@ pub struct RenderArgs {
     quiet: bool,
     #[command(flatten)]
     picture: PictureOptions,
+    #[command(flatten)]
+    long: LongOptions,
 }
 
 /// One picture to be made.
 struct Task {
     frame: i32,
-    output: Output,
+    /// Nothing where only a part of the samples is made, to be merged.
+    output: Option<Output>,
     sample_map: Option<Output>,
 }
 
@@ -98,25 +94,42 @@ pub fn run(args: &RenderArgs, terminal: &Terminal) -> Result<(), Failure> {
 
         let started = Instant::now();
         // In the pool, so that trees are built by all threads.
-        let (scene, warnings) = pool
-            .install(|| compile::compile(&description, &loader, &options))
-            .map_err(|errors| Failure::Scene(errors, description.sources.clone()))?;
+        let hashing = HashingLoader::new(&loader);
+        let loader: &dyn Loader = if args.long.is_used() { &hashing } else { &loader };
+        let (scene, warnings) =
+            pool.install(|| compile::compile(&description, loader, &options))
+                .map_err(|errors| Failure::Scene(errors, description.sources.clone()))?;
         let compiled = started.elapsed().as_secs_f64();
         terminal.complain(&warnings, &description.sources);
         let region = args.picture.region(scene.settings.size)?;
+        let settings = stats::settings(&scene.settings, &scene.develop, region);
+        let frame = args.frames.map(|_| task.frame);
+        let labels = Labels::new(settings, scene.develop, &params, frame);
 
+        let name = task.name();
         let started = Instant::now();
-        let bar = Bar::new(terminal, &task.output.to_string());
-        let show = |progress: &dioptric::render::job::Progress| bar.update(progress);
-        let control = Control {
-            layers: args.layers,
-            cancel: interrupt.flag.clone(),
-            on_progress: Some(&show),
+        let bar = Bar::new(terminal, &name);
+        let film = if args.long.is_used() {
+            let identity = Identity::new(
+                &description,
+                hashing.hash(),
+                &scene,
+                args.scene.camera(),
+                labels.to_json(),
+            );
+            args.make_part(&scene, region, identity, task, &pool, &bar, &interrupt)
+        } else {
+            let show = |progress: &dioptric::render::job::Progress| bar.update(progress);
+            let control = Control {
+                layers: args.file.layers,
+                cancel: interrupt.flag.clone(),
+                on_progress: Some(&show),
+            };
+            interrupt.busy(true);
+            picture::render(&scene, region, &pool, &control).map_err(scene_failure)
         };
-        interrupt.busy(true);
-        let film = picture::render(&scene, region, &pool, &control);
         bar.finish();
-        let film = film.map_err(|e| Failure::Scene(vec![e], description.sources.clone()))?;
+        let film = film.map_err(|failure| failure.with_sources(&description.sources))?;
         let stats = Stats {
             read,
             compile: compiled,
@@ -124,27 +137,24 @@ pub fn run(args: &RenderArgs, terminal: &Terminal) -> Result<(), Failure> {
             rays: film.rays,
             samples: film.samples(),
             threads: pool.current_num_threads(),
-            settings: stats::settings(&scene.settings, &scene.develop, region),
+            settings: labels.settings.clone(),
             finished: film.finished(),
         };
-        let bytes = args.encode(&scene, &film, format, &stats.settings, &params, task)?;
-        task.output.write(&bytes)?;
+        if let Some(output) = &task.output {
+            let unfinished = (!film.finished()).then(|| done(&film, &scene));
+            let bytes = args.file.encode(&film, &labels, unfinished, format, args.grid);
+            output.write(&bytes.map_err(|e| Failure::image(&name, &e))?)?;
+        }
         if let Some(output) = &task.sample_map {
             output.write(&sample_map(&film, output)?)?;
         }
         interrupt.busy(false);
         stopped = !stats.finished;
         if stopped {
-            note(&format!("{}: unfinished, stopped at {}\n", task.output, done(&film, &scene)));
+            note(&format!("{name}: unfinished, stopped at {}\n", done(&film, &scene)));
         }
         if !args.quiet {
-            note(&format!(
-                "{}: {} x {}, {}\n",
-                task.output,
-                region.width,
-                region.height,
-                stats.line()
-            ));
+            note(&format!("{name}: {} x {}, {}\n", region.width, region.height, stats.line()));
         }
         all_stats.push(stats.json());
         if stopped {
@@ -161,7 +171,9 @@ pub fn run(args: &RenderArgs, terminal: &Terminal) -> Result<(), Failure> {
 
 /// How much of a stopped picture there is.
 fn done(film: &Film, scene: &Scene) -> String {
-    let finished = film.pixels().iter().filter(|p| p.is_finished()).count();
+    let all = scene.settings.samples;
+    let is_done = |p: &&FilmPixel| p.is_finished() || p.count() >= all;
+    let finished = film.pixels().iter().filter(is_done).count();
     let share = 100.0 * finished as f64 / film.pixels().len().max(1) as f64;
     let mean = film.samples() as f64 / film.pixels().len().max(1) as f64;
     format!("{share:.1} % of the pixels, {mean:.2} of {} samples a pixel", scene.settings.samples)
@@ -169,25 +181,12 @@ fn done(film: &Film, scene: &Scene) -> String {
 
 impl RenderArgs {
     fn format(&self) -> Result<FileFormat, Failure> {
-        let name = match self.output.as_deref() {
-            Some("-") => format!("stdout.{}", self.to),
-            Some(name) => name.to_string(),
-            None => "default.png".into(),
-        };
-        let format = FileFormat::from_path(Path::new(&name))
-            .map_err(|e| Failure::usage(e.message, e.help))?;
-        if self.layers && format != FileFormat::Exr {
-            return Err(Failure::usage("only .exr files have layers", "write -o FILE.exr"));
-        }
+        // Samples for merge need no picture that could hold them.
+        let none = if self.long.sample_range.is_some() { "none.exr" } else { "default.png" };
+        let format = self.file.format(self.output.as_deref().unwrap_or(none))?;
         if self.grid && format.is_linear() {
             let message = "--grid is drawn over a developed picture, not into linear light";
             return Err(Failure::usage(message, "write -o FILE.png"));
-        }
-        if self.bits == "16" && format != FileFormat::Png {
-            return Err(Failure::usage(
-                "only .png files have 16 bits",
-                "write -o FILE.png, or .exr for floats",
-            ));
         }
         if let Some(map) = self.sample_map.as_deref().filter(|name| *name != "-") {
             FileFormat::from_path(Path::new(map)).map_err(|e| Failure::usage(e.message, e.help))?;
@@ -197,13 +196,11 @@ impl RenderArgs {
 
     fn tasks(&self) -> Result<Vec<Task>, Failure> {
         let name = self.output.clone().unwrap_or_else(|| format!("{}.png", self.scene.stem()));
+        let is_written = self.output.is_some() || self.long.sample_range.is_none();
+        let output = |name: &str| is_written.then(|| Output::new(name)).transpose();
         let Some(frames) = self.frames else {
             let sample_map = self.sample_map.as_deref().map(Output::new).transpose()?;
-            return Ok(vec![Task {
-                frame: self.scene.frame,
-                output: Output::new(&name)?,
-                sample_map,
-            }]);
+            return Ok(vec![Task { frame: self.scene.frame, output: output(&name)?, sample_map }]);
         };
         if name == "-" || self.scene.scene == "-" {
             let message = "an animation is not read from or written to a standard stream";
@@ -214,51 +211,51 @@ impl RenderArgs {
             .map(|frame| {
                 let map =
                     self.sample_map.as_deref().map(|name| Output::new(&frame_name(name, frame)));
-                let output = Output::new(&frame_name(&name, frame))?;
+                let output = output(&frame_name(&name, frame))?;
                 Ok(Task { frame, output, sample_map: map.transpose()? })
             })
             .collect()
     }
 
-    /// The bytes of the picture's file.
-    fn encode(
+    /// Makes what a checkpoint lacks, and keeps it there.
+    #[allow(clippy::too_many_arguments)]
+    fn make_part(
         &self,
         scene: &Scene,
-        film: &Film,
-        format: FileFormat,
-        settings: &Value,
-        params: &[ParamInfo],
+        region: Region,
+        identity: Identity,
         task: &Task,
-    ) -> Result<Vec<u8>, Failure> {
-        let wrong = |e| Failure::image(&task.output.to_string(), &e);
-        // An unfinished picture is transparent where there is nothing yet.
-        let mut layers = film.to_layers(!film.finished()).map_err(wrong)?;
-        if self.grid {
-            let Region { x, y, .. } = film.region();
-            layers.picture = scene.develop.picture(&layers.picture);
-            draw_grid(&mut layers.picture, x, y, 0);
-        }
-        let text = &mut layers.metadata;
-        text.set("Software", format!("dioptric {}", dioptric::VERSION));
-        text.set("Settings", settings.to_string());
-        let set: Vec<String> = params
-            .iter()
-            .filter(|p| p.value != p.default)
-            .map(|p| format!("{} = {}", p.name, super::info::written(&p.value)))
-            .collect();
-        if !set.is_empty() {
-            text.set("Params", set.join("; "));
-        }
-        if self.frames.is_some() {
-            text.set("Frame", task.frame.to_string());
-        }
-        if !film.finished() {
-            text.set("Unfinished", format!("stopped at {}", done(film, scene)));
-        }
-        let depth = if self.bits == "16" { Depth::Sixteen } else { Depth::Eight };
-        let options = EncodeOptions { develop: scene.develop, depth, quality: self.quality };
-        encode(&layers, format, &options).map_err(wrong)
+        pool: &rayon::ThreadPool,
+        bar: &Bar,
+        interrupt: &Interrupt,
+    ) -> Result<Film, Failure> {
+        let samples = self.long.wanted(&scene.settings)?;
+        let animated = self.frames.is_some();
+        let (mut part, keeper) =
+            self.long.open(identity, task.frame, animated, region, self.file.layers)?;
+        let watch = |progress: &parts::Progress<'_>| {
+            keeper.watch(progress);
+            bar.update_part(progress);
+        };
+        let control = Control { cancel: interrupt.flag.clone(), ..Control::default() };
+        let wanted = Wanted { samples, most: block_size(scene.settings.samples) };
+        interrupt.busy(true);
+        picture::render_part(scene, &wanted, &mut part, pool, &control, &watch)
+            .map_err(scene_failure)?;
+        keeper.save(&part, None).map_err(|e| Failure::output(&keeper.name(), &e))?;
+        part.film(&wanted.samples).map_err(scene_failure)
     }
+}
+
+impl Task {
+    /// What is made, for messages.
+    fn name(&self) -> String {
+        self.output.as_ref().map_or_else(|| "samples".into(), ToString::to_string)
+    }
+}
+
+fn scene_failure(error: Diagnostic) -> Failure {
+    Failure::Scene(vec![error], Sources::default())
 }
 
 /// Samples of each pixel in false colours, the most of any pixel at the upper end.

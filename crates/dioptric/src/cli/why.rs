@@ -67,6 +67,14 @@ struct UnusedOptions {
     #[arg(long, hide = true)]
     sample_map: Option<String>,
     #[arg(long, hide = true)]
+    checkpoint: Option<String>,
+    #[arg(long, hide = true)]
+    checkpoint_every: Option<String>,
+    #[arg(long, hide = true)]
+    resume: bool,
+    #[arg(long, hide = true)]
+    sample_range: Option<String>,
+    #[arg(long, hide = true)]
     stats: Option<String>,
     #[arg(short, long, hide = true)]
     quiet: bool,

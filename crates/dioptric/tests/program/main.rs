@@ -9,6 +9,7 @@ mod corpus;
 mod degenerate;
 mod determinism;
 mod interruption;
+mod long;
 mod output;
 mod run;
 mod trace;
