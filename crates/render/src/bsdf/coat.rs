@@ -43,7 +43,7 @@ impl Coat {
     }
 
     /// For light from everywhere.
-    fn mean(&self) -> f64 {
+    pub fn mean(&self) -> f64 {
         match self {
             Self::Smooth(eta) => mean_fresnel(1.0 / eta),
             Self::Rough(sheen) => sheen.mean(),

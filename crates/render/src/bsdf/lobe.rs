@@ -7,6 +7,7 @@ use super::BsdfSample;
 use super::coat::{Glaze, Ground};
 use super::diffuse::Lambert;
 use super::frosted::Frosted;
+use super::fuzz::Fuzz;
 use super::glass::Glass;
 use super::mirror::{Mirror, RoughMirror};
 use super::pane::Pane;
@@ -31,6 +32,8 @@ pub enum Lobe {
     Ground(Ground),
     /// A rough coat.
     Glaze(Glaze),
+    /// Fibres that stand up.
+    Fuzz(Fuzz),
     /// A smooth dielectric.
     Glass(Glass),
     /// A rough dielectric.
@@ -58,6 +61,7 @@ impl Lobe {
             Self::RoughMirror(lobe) => lobe.eval_pdf(wo, wi),
             Self::Ground(lobe) => lobe.eval_pdf(wi),
             Self::Glaze(lobe) => lobe.eval_pdf(wo, wi),
+            Self::Fuzz(lobe) => lobe.eval_pdf(wo, wi),
             Self::Frosted(lobe) => lobe.eval_pdf(wo, wi),
             Self::Pane(lobe) => lobe.eval_pdf(wo, wi),
             Self::Mirror(_) | Self::Glass(_) | Self::Passing(_) => (Spectrum::ZERO, 0.0),
@@ -75,6 +79,7 @@ impl Lobe {
             Self::RoughMirror(lobe) => lobe.sample(wo, pick, u),
             Self::Ground(lobe) => lobe.sample(u),
             Self::Glaze(lobe) => lobe.sample(wo, u),
+            Self::Fuzz(lobe) => lobe.sample(wo, u),
             Self::Glass(lobe) => lobe.sample(wo, pick),
             Self::Frosted(lobe) => lobe.sample(wo, pick, u),
             Self::Pane(lobe) => lobe.sample(wo, pick, u),

@@ -22,6 +22,7 @@ use diffuse::Lambert;
 use frosted::Frosted;
 use ggx::SMOOTHEST;
 use glass::{Glass, Interface};
+use layered::{Cover, Under};
 use loss::Sheen;
 use mirror::{Mirror, RoughMirror};
 use pane::Pane;
@@ -34,8 +35,10 @@ mod battery;
 mod coat;
 mod diffuse;
 mod frosted;
+mod fuzz;
 mod ggx;
 mod glass;
+mod layered;
 mod lobe;
 mod loss;
 mod mirror;
@@ -48,6 +51,7 @@ mod testing;
 mod uneven;
 
 pub(crate) use diffuse::{cosine_pdf, raised_disc};
+pub(crate) use fuzz::FuzzShare;
 pub use lobe::Lobe;
 
 /// The sides of a surface, as a path meets it.
@@ -86,7 +90,7 @@ impl BsdfSample {
 }
 
 /// How many lobes a surface may have.
-const MOST: usize = 3;
+const MOST: usize = 6;
 
 /// How a point scatters light: a sum of lobes, one of which is picked in proportion to what it sends to the viewer.
 #[derive(Clone, Copy, Debug)]
@@ -95,6 +99,11 @@ pub struct Bsdf {
     /// The chance of each.
     shares: [f64; MOST],
     count: usize,
+    /// Whether it has layers: then each lobe has a weight and lies under some of them.
+    covered: bool,
+    weights: [f64; MOST],
+    under: [Under; MOST],
+    cover: Cover,
 }
 
 /// A lobe that is not there.
@@ -102,7 +111,15 @@ const NO_LOBE: Lobe = Lobe::Lambert(Lambert { albedo: Spectrum::ZERO });
 
 impl Bsdf {
     /// Scatters nothing.
-    pub const BLACK: Self = Self { lobes: [NO_LOBE; MOST], shares: [1.0; MOST], count: 0 };
+    pub const BLACK: Self = Self {
+        lobes: [NO_LOBE; MOST],
+        shares: [1.0; MOST],
+        count: 0,
+        covered: false,
+        weights: [1.0; MOST],
+        under: [Under::Nothing; MOST],
+        cover: Cover::NONE,
+    };
 
     /// How a surface scatters light to a viewer in the direction `wo`.
     #[must_use]
@@ -114,7 +131,7 @@ impl Bsdf {
 
     /// Becomes another one. (In place: lobes are large, and paths need one at every surface.)
     pub fn set(&mut self, finish: &Finish, sides: &Sides, wo: DVec3) {
-        self.count = 0;
+        (self.count, self.covered) = (0, false);
         match finish.optics {
             Optics::Opaque => self.lit(finish, 1.0, wo),
             Optics::Mirror { reflect, roughness, covers: false } => {
@@ -140,17 +157,22 @@ impl Bsdf {
             }
             Optics::Dielectric { reflect, transmit, roughness, .. } => {
                 let interface = Interface::new(sides, reflect, transmit);
-                // Facets between equal media bend nothing.
-                let sharp = roughness < SMOOTHEST || (sides.eta - 1.0).abs() < 1e-6;
-                let lobe = match () {
-                    () if sharp => Lobe::Glass(Glass { interface }),
-                    () if sides.solid => Lobe::Frosted(Frosted::new(interface, roughness, wo)),
-                    () => Lobe::Pane(Pane::new(interface, roughness, wo)),
-                };
-                self.add(lobe, interface.power());
+                self.add(Self::dielectric(interface, roughness, sides, wo), interface.power());
             }
+            Optics::Layered(layers) => self.layer(finish.base, &layers, sides, wo),
         }
         self.share_out();
+    }
+
+    fn dielectric(interface: Interface, alpha: f64, sides: &Sides, wo: DVec3) -> Lobe {
+        // Facets between equal media bend nothing.
+        match () {
+            () if alpha < SMOOTHEST || (sides.eta - 1.0).abs() < 1e-6 => {
+                Lobe::Glass(Glass { interface })
+            }
+            () if sides.solid => Lobe::Frosted(Frosted::new(interface, alpha, wo)),
+            () => Lobe::Pane(Pane::new(interface, alpha, wo)),
+        }
     }
 
     /// The light that a surface scatters by itself, times `share`.
@@ -258,6 +280,9 @@ impl Bsdf {
     #[inline]
     #[must_use]
     pub fn eval_pdf(&self, wo: DVec3, wi: DVec3) -> (Spectrum, f64) {
+        if self.covered {
+            return self.eval_pdf_in_layers(wo, wi);
+        }
         if self.count == 1 {
             return self.lobes[0].eval_pdf(wo, wi);
         }
@@ -275,6 +300,9 @@ impl Bsdf {
     #[inline]
     #[must_use]
     pub fn sample(&self, wo: DVec3, pick: f64, u: [f64; 2]) -> Option<BsdfSample> {
+        if self.covered {
+            return self.sample_in_layers(wo, pick, u);
+        }
         if self.count < 2 {
             return if self.count == 1 { self.lobes[0].sample(wo, pick, u) } else { None };
         }

@@ -7,7 +7,7 @@ use dioptric_math::random::Random;
 use dioptric_math::{DVec3, Spectrum, cbrt, exp, sin_cos};
 
 use super::{Bsdf, BsdfSample, Sides};
-use crate::material::{Conductor, Finish, Highlight, HighlightModel, Optics, Reflectance};
+use crate::material::{Conductor, Finish, Highlight, HighlightModel, Layers, Optics, Reflectance};
 
 /// A surface and what it promises.
 #[derive(Clone, Debug)]
@@ -39,7 +39,7 @@ impl Case {
 
     /// Whether radiance changes on its way through.
     pub fn squeezes(&self) -> bool {
-        self.sides.solid && matches!(self.finish.optics, Optics::Dielectric { .. })
+        self.sides.solid && self.finish.optics.bends().is_some()
     }
 }
 
@@ -130,6 +130,50 @@ pub(super) fn cases() -> Vec<Case> {
         lossless.push(add(name("pane"), glass(alpha, 1.0), pane));
         // A tint is met on the way in only.
         tinted.push(add(name("tinted glass"), glass(alpha, 0.3), into(1.0 / 1.5)));
+    }
+    let plain = Layers {
+        ior: 1.5,
+        specular: 1.0,
+        metallic: 0.0,
+        alpha: 0.0,
+        transmission: 0.0,
+        coat: 0.0,
+        coat_alpha: 0.0,
+        sheen: Spectrum::ZERO,
+        sheen_roughness: 0.3,
+    };
+    let layered =
+        |base: Spectrum, layers: Layers| Finish { base, optics: Optics::Layered(layers), ..black };
+    for alpha in [0.0, WIDTHS[0], WIDTHS[2], WIDTHS[3]] {
+        let name = |what: &str| format!("{what} {alpha}");
+        let rough =
+            Layers { alpha, coat_alpha: 0.5 * alpha, sheen_roughness: 0.25 + 0.7 * alpha, ..plain };
+        let (white, gold) = (Spectrum::ONE, Spectrum::new(1.0, 0.7, 0.3));
+        let fuzz = Spectrum::new(1.0, 0.5, 0.2);
+        // All of these send back what comes.
+        let bare = layered(white, rough);
+        let coated = layered(white, Layers { coat: 1.0, ..rough });
+        let fuzzy = layered(white, Layers { sheen: Spectrum::ONE, specular: 0.0, ..rough });
+        lossless.push(add(name("layers: dull"), bare, AIR));
+        lossless.push(add(name("layers: fuzz"), fuzzy, AIR));
+        lossless.push(add(
+            name("layers: metal"),
+            layered(white, Layers { metallic: 1.0, ..rough }),
+            AIR,
+        ));
+        let all = Layers { metallic: 0.3, coat: 0.6, sheen: fuzz, ..rough };
+        if alpha == 0.0 {
+            lossless.push(add(name("layers: coat"), coated, AIR));
+        } else {
+            add(name("layers: coat"), coated, AIR);
+        }
+        add(name("layers: all"), layered(gold, all), AIR);
+        let some = Layers { transmission: 0.7, ..all };
+        tinted.push(add(name("layers: clear"), layered(gold, some), into(1.0 / 1.5)));
+        tinted.push(add(name("layers: out of clear"), layered(gold, some), into(1.5)));
+        let clear = Layers { transmission: 1.0, ..rough };
+        lossless.push(add(name("layers: glass"), layered(white, clear), into(1.0 / 1.5)));
+        lossless.push(add(name("layers: out of glass"), layered(white, clear), into(1.5)));
     }
     for model in [HighlightModel::Phong, HighlightModel::Blinn] {
         for exponent in [0.0, 1.0, 30.0, 177.5] {

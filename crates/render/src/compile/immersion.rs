@@ -32,8 +32,10 @@ pub(super) fn around_camera(scene: &Scene) -> Vec<Medium> {
         let (inner, absorption) = match shading.finish.optics {
             // Relative to what is around it.
             Optics::Shares { ior: relative, absorption, .. } => (ior * relative, absorption),
-            Optics::Dielectric { ior, absorption, .. } => (ior, absorption),
-            Optics::Opaque | Optics::Mirror { .. } => continue,
+            other => match other.bends() {
+                Some(known) => known,
+                None => continue,
+            },
         };
         ior = inner;
         let absorption = scene.extinction(hit.id, absorption);

@@ -99,7 +99,7 @@ impl Scene {
             Optics::Shares { absorption, .. } | Optics::Dielectric { absorption, .. } => {
                 absorbed(self.extinction(id, absorption), t / self.root.scale())
             }
-            Optics::Opaque | Optics::Mirror { .. } => Spectrum::ONE,
+            Optics::Opaque | Optics::Mirror { .. } | Optics::Layered(_) => Spectrum::ONE,
         }
     }
 }

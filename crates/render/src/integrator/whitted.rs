@@ -84,7 +84,7 @@ pub(super) struct Met<'a, I> {
     /// Its own colour.
     pub own: Spectrum,
     /// The normal of the facet that a mirrored ray meets.
-    facet: DVec3,
+    pub facet: DVec3,
 }
 
 impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
@@ -247,6 +247,12 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
         let at_limit = depth >= scene.settings.bounces;
         let wants_own = match point.finish.optics {
             Optics::Opaque => true,
+            Optics::Layered(layers) => {
+                if !at_limit {
+                    facet = facet_for(&point, layers.mirror_alpha(), &mut stream);
+                }
+                point.outside || layers.clear() == 0.0 || !solid()
+            }
             Optics::Mirror { roughness, .. } => {
                 if !at_limit {
                     facet = facet_for(&point, roughness, &mut stream);
@@ -290,6 +296,7 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
                 let leg = point.back(point.mirrored(met.facet));
                 self.follow(met, 0, RayKind::Reflected, leg, weight, met.way.inside);
             }
+            Optics::Layered(layers) => self.layered(met, &layers),
             Optics::Shares { own, ior, tint, absorption } => {
                 self.through_by_shares(met, own, ior, tint, absorption);
             }

@@ -93,6 +93,11 @@ fn check(finish: &Finish) -> Result<(), String> {
         Optics::Shares { own, ior, tint, absorption } => {
             ok(unit(own) && ior > 0.0 && within(tint, 0.0, 1.0) && light(absorption), "shares")
         }
+        Optics::Layered(l) => {
+            let shares = [l.metallic, l.transmission, l.coat, l.alpha, l.coat_alpha];
+            ok(shares.into_iter().all(unit) && within(l.sheen, 0.0, 1.0), "layers")?;
+            ok(within(finish.base, 0.0, 1.0) && l.ior >= 1.0 && unit(l.specular), "base of layers")
+        }
         Optics::Dielectric { ior, reflect, transmit, absorption, roughness } => {
             ok(ior > 0.0 && unit(roughness) && light(absorption), "dielectric")?;
             ok(within(reflect, 0.0, 1.0) && within(transmit, 0.0, 1.0), "tint of a dielectric")

@@ -12,6 +12,7 @@ pub(crate) use highlight::{FAINTEST, whole};
 pub use highlight::{Highlight, HighlightModel};
 pub(crate) use interior::{ANISOTROPY, SCATTERING};
 pub use interior::{Interior, Scattering};
+pub use layers::{COAT_IOR, Layers};
 pub use reflectance::{Conductor, Reflectance};
 pub(crate) use shared::absorption;
 
@@ -25,6 +26,7 @@ mod glasses;
 pub mod glow;
 mod highlight;
 mod interior;
+mod layers;
 pub mod matte;
 pub mod metal;
 mod metal_data;
@@ -33,10 +35,12 @@ pub mod mirror;
 pub mod patched;
 pub mod phong;
 pub mod plastic;
+pub mod principled;
 mod reflectance;
 mod shared;
 #[cfg(test)]
 pub(crate) mod testing;
+pub mod velvet;
 pub mod volume;
 
 /// What is seen in or through a surface.
@@ -81,6 +85,21 @@ pub enum Optics {
         /// Spread of both rays: the GGX alpha.
         roughness: f64,
     },
+    /// Fuzz over a coat over metal, glass or a dull ground, in shares. Its colour is [`Finish::base`].
+    Layered(Layers),
+}
+
+impl Optics {
+    /// Its index of refraction, and what it absorbs per unit of the file's length, if it bends rays by Fresnel's equations.
+    #[inline]
+    #[must_use]
+    pub fn bends(&self) -> Option<(f64, Spectrum)> {
+        match self {
+            Self::Dielectric { ior, absorption, .. } => Some((*ior, *absorption)),
+            Self::Layered(layers) if layers.clear() > 0.0 => Some((layers.ior, Spectrum::ZERO)),
+            _ => None,
+        }
+    }
 }
 
 /// A surface's answer at one point. Whitted's pictures and paths (see [`crate::bsdf`]) are both made from it.
@@ -259,6 +278,8 @@ registry! {
     Mirror(mirror::Mirror),
     Metal(metal::Metal),
     Plastic(plastic::Plastic),
+    Principled(principled::Principled),
+    Velvet(velvet::Velvet),
     Glow(glow::Glow),
     Patched(patched::Patched),
     Volume(volume::Volume),

@@ -194,7 +194,7 @@ impl Glint {
 /// The exponent of Blinn's highlight that is about as wide as a microfacet lobe: `2 / alpha^2 - 2`
 /// (Walter et al., "Microfacet Models for Refraction through Rough Surfaces", EGSR 2007, section 5.2,
 /// `alpha_p = 2 / alpha_b^2 - 2`), within bounds that keep it visible.
-fn exponent_of(roughness: f64) -> f64 {
+pub(super) fn exponent_of(roughness: f64) -> f64 {
     (2.0 / (roughness * roughness) - 2.0).max(EXPONENTS.0).min(EXPONENTS.1)
 }
 

@@ -315,7 +315,9 @@ pub fn shining(finish: &Finish, outside: bool) -> Spectrum {
     match finish.optics {
         _ if !finish.present => Spectrum::ZERO,
         Optics::Shares { own, .. } if outside => finish.emission * own,
-        Optics::Shares { .. } | Optics::Dielectric { .. } if !outside => Spectrum::ZERO,
+        Optics::Shares { .. } | Optics::Dielectric { .. } | Optics::Layered(_) if !outside => {
+            Spectrum::ZERO
+        }
         _ => finish.emission,
     }
 }

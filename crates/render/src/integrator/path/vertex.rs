@@ -307,7 +307,12 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
                 let medium = self.medium(path, &point, ior, absorption);
                 (self.media.sides(path.inside, &medium, point.outside, solid), false)
             }
-            Optics::Opaque | Optics::Mirror { .. } => {
+            Optics::Layered(layers) if layers.clear() > 0.0 => {
+                let medium = self.medium(path, &point, layers.ior, Spectrum::ZERO);
+                let sides = self.media.sides(path.inside, &medium, point.outside, solid);
+                (sides, self.media.is_hidden(&sides, &medium, point.outside))
+            }
+            Optics::Opaque | Optics::Mirror { .. } | Optics::Layered(_) => {
                 (Sides { ior: [1.0; 2], near: path.inside, far: path.inside }, false)
             }
         };
@@ -384,7 +389,7 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
         let leg = if through {
             self.counts.refract += 1;
             next.inside = vertex.sides.far;
-            if vertex.solid && matches!(vertex.point.finish.optics, Optics::Dielectric { .. }) {
+            if vertex.solid && vertex.point.finish.optics.bends().is_some() {
                 next.squeezed *= vertex.squeeze();
             }
             vertex.point.on(direction)
