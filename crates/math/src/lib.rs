@@ -70,7 +70,7 @@ pub fn normalize(v: DVec3) -> Option<DVec3> {
 /// Two unit vectors that make a right-handed orthonormal basis `(t, b, n)` with the unit vector `n`.
 ///
 /// Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017, listing 3.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn orthonormal_basis(n: DVec3) -> (DVec3, DVec3) {
     let sign = 1.0_f64.copysign(n.z);

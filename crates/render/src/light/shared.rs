@@ -106,20 +106,27 @@ impl Falloff {
 /// to a cap ring by ring; the disc comes from the square with little distortion, which keeps strata
 /// compact.
 pub(crate) fn direction_in_cone(axis: DVec3, spread: f64, u: [f64; 2]) -> DVec3 {
+    normalize(way_in_cone(axis, spread, u)).unwrap_or(axis)
+}
+
+/// The same, of about unit length.
+#[inline(always)]
+pub(crate) fn way_in_cone(axis: DVec3, spread: f64, u: [f64; 2]) -> DVec3 {
     let [a, b] = concentric_disc(u);
     let height = (a * a + b * b) * spread;
     let across = (spread * (2.0 - height).max(0.0)).sqrt(); // sin / radius of the disc
     let (t, s) = orthonormal_basis(axis);
-    let d = axis * (1.0 - height) + (t * a + s * b) * across;
-    normalize(d).unwrap_or(axis)
+    axis * (1.0 - height) + (t * a + s * b) * across
 }
 
 /// `1 - cos` of an angle whose squared sine is given; without cancellation for small ones.
+#[inline(always)]
 pub(crate) fn spread_of_sin2(sin2: f64) -> f64 {
     sin2 / (1.0 + (1.0 - sin2).max(0.0).sqrt())
 }
 
 /// The density of [`direction_in_cone`] over solid angles.
+#[inline(always)]
 pub(crate) fn density_in_cone(spread: f64) -> f64 {
     1.0 / (TAU * spread)
 }

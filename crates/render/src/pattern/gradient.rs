@@ -71,6 +71,14 @@ static SCHEMA: Schema = Schema {
     example: "sphere(center = (0, 1, 0), radius = 1, material = matte(gradient(\"midnightblue\", \"orange\", end = (0, 2, 0))))",
 };
 
+impl Gradient {
+    /// Whether nothing of it depends on coordinates on surfaces.
+    pub(crate) fn ignores_uv(&self) -> bool {
+        let plain = |color: &ColorInput| matches!(color, ColorInput::Constant(_));
+        !matches!(self.space, Space::Uv) && plain(&self.low) && plain(&self.high)
+    }
+}
+
 impl Pattern for Gradient {
     const SCHEMA: &'static Schema = &SCHEMA;
 

@@ -37,23 +37,33 @@ pub struct Background {
     intensity: f64,
     /// Takes directions to the file's space, for patterns.
     root: Option<Root>,
+    /// Whether its pattern may ask for longitude and latitude: two arcs for each direction.
+    by_angles: bool,
 }
 
 impl Background {
     /// Black everywhere: what a scene has that says nothing.
-    pub const BLACK: Self =
-        Self { color: ColorInput::Constant(Spectrum::ZERO), intensity: 1.0, root: None };
+    pub const BLACK: Self = Self {
+        color: ColorInput::Constant(Spectrum::ZERO),
+        intensity: 1.0,
+        root: None,
+        by_angles: true,
+    };
 
     /// The background that a node describes.
     ///
     /// # Errors
     /// An argument is wrong.
     pub fn from_args(args: &Args, builder: &mut Builder, root: &Root) -> Result<Self, Diagnostic> {
-        Ok(Self {
-            color: builder.color(args, "color")?,
-            intensity: args.number("intensity")?,
-            root: Some(root.clone()),
-        })
+        let color = builder.color(args, "color")?;
+        let by_angles = match &color {
+            ColorInput::Constant(_) => false,
+            ColorInput::Pattern(pattern) => {
+                !matches!(&**pattern, AnyPattern::Gradient(gradient) if gradient.ignores_uv())
+            }
+        };
+        let intensity = args.number("intensity")?;
+        Ok(Self { color, intensity, root: Some(root.clone()), by_angles })
     }
 
     /// What is seen in a direction of the space of rays, of any length.
@@ -113,16 +123,13 @@ impl Background {
         let z_up = self.root.as_ref().is_some_and(|root| root.up().z.abs() > root.up().y.abs());
         // Straight ahead is -z where y is up, and y where z is up.
         let (ahead, up) = if z_up { (d.y, d.z) } else { (-d.z, d.y) };
-        let u = (0.5 + atan2(d.x, ahead) / TAU).clamp(0.0, 1.0);
-        let v = 0.5 + asin(up.clamp(-1.0, 1.0)) / PI;
-        PatternPoint {
-            object: d,
-            world: d,
-            uv: DVec2::new(u, v),
-            object_normal: d,
-            world_normal: d,
-            lot: 0.5,
-        }
+        let uv = if self.by_angles {
+            let u = (0.5 + atan2(d.x, ahead) / TAU).clamp(0.0, 1.0);
+            DVec2::new(u, 0.5 + asin(up.clamp(-1.0, 1.0)) / PI)
+        } else {
+            DVec2::ZERO
+        };
+        PatternPoint { object: d, world: d, uv, object_normal: d, world_normal: d, lot: 0.5 }
     }
 }
 

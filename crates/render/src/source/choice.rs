@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Which source to look for: by about what each sends to the point.
 
+use dioptric_geometry::world::{Bundle, Sixteen};
 use dioptric_math::DVec3;
+use dioptric_math::wide::{Kernel, wide};
 
-use super::emitter::Emitter;
+use super::emitter::{Emitter, Facing};
 use super::tree::{Entry, Parts, Tree};
 
 /// How much of the chance does not go by what a source sends to the point: an estimate knows nothing of what is in
@@ -33,8 +35,15 @@ struct Total {
 
 impl Total {
     fn chance(&self, weight: f64) -> f64 {
-        if weight > 0.0 { (1.0 - EVEN) * (weight / self.weight) + EVEN / self.count } else { 0.0 }
+        let [scale, even] = shares(self.weight, self.count);
+        if weight > 0.0 { weight * scale + even } else { 0.0 }
     }
+}
+
+/// What multiplies a weight to make a chance of it, and what every one that is not 0 has besides.
+#[inline(always)]
+fn shares(weight: f64, count: f64) -> [f64; 2] {
+    [(1.0 - EVEN) / weight, EVEN / count]
 }
 
 impl Choice {
@@ -136,6 +145,27 @@ impl Choice {
         (own > 0.0).then_some((source, own * chance))
     }
 
+    /// Whether [`Self::pick_lanes`] knows them all.
+    pub fn is_flat(&self) -> bool {
+        self.powers.is_empty() && self.emitters.len() <= FEW
+    }
+
+    /// [`Self::pick`] for sixteen points: which each gets, and its chance, 0 where there is none.
+    pub fn pick_lanes(&self, picks: &mut Picks) {
+        let Picks { weights, .. } = picks;
+        weights.resize(self.emitters.len(), [0.0; LANES]);
+        wide(Weights { emitters: &self.emitters, picks });
+        for (emitter, weights) in self.emitters.iter().zip(&mut picks.weights) {
+            if !has_lanes(emitter) {
+                for (lane, weight) in weights.iter_mut().enumerate() {
+                    let at = |v: &[Sixteen; 3]| DVec3::new(v[0][lane], v[1][lane], v[2][lane]);
+                    *weight = emitter.weight(at(&picks.point), Some(at(&picks.normal)));
+                }
+            }
+        }
+        wide(Pick(picks));
+    }
+
     /// The chance of a source.
     pub fn chance(&self, point: DVec3, normal: Option<DVec3>, source: u32) -> f64 {
         if let [only] = self.emitters.as_slice() {
@@ -159,5 +189,109 @@ impl Choice {
         let before = if i > 0 { self.powers[i - 1].0 } else { 0.0 };
         let (Some(own), Some(all)) = (self.powers.get(i), self.powers.last()) else { return 0.0 };
         (own.0 - before) / all.0
+    }
+}
+
+const LANES: usize = Bundle::LANES;
+
+/// Sixteen points that choose a source each.
+#[derive(Clone, Debug)]
+pub(super) struct Picks {
+    pub point: [Sixteen; 3],
+    pub normal: [Sixteen; 3],
+    pub pick: Sixteen,
+    /// By emitter.
+    weights: Vec<Sixteen>,
+    pub emitter: [u32; LANES],
+    pub chance: Sixteen,
+}
+
+impl Picks {
+    pub const EMPTY: Self = Self {
+        point: [[0.0; LANES]; 3],
+        normal: [[0.0; LANES]; 3],
+        pick: [0.0; LANES],
+        weights: Vec::new(),
+        emitter: [0; LANES],
+        chance: [0.0; LANES],
+    };
+}
+
+/// Whether [`Weights`] knows it.
+#[inline(always)]
+fn has_lanes(emitter: &Emitter) -> bool {
+    matches!(emitter, Emitter::Glow(glow) if !matches!(glow.reach.facing, Facing::Cone(..)))
+}
+
+/// Works out the weights of all surfaces that glow.
+struct Weights<'a> {
+    emitters: &'a [Emitter],
+    picks: &'a mut Picks,
+}
+
+impl Kernel for Weights<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Picks { point: [px, py, pz], normal: [nx, ny, nz], weights, .. } = self.picks;
+        for (emitter, weights) in self.emitters.iter().zip(weights) {
+            let Emitter::Glow(glow) = emitter else { continue };
+            let reach = glow.reach;
+            if let Some(flat) = reach.flat() {
+                for i in 0..LANES {
+                    let point = DVec3::new(px[i], py[i], pz[i]);
+                    let normal = DVec3::new(nx[i], ny[i], nz[i]);
+                    weights[i] = reach.weight_flat(flat, point, normal);
+                }
+            } else {
+                for i in 0..LANES {
+                    let point = DVec3::new(px[i], py[i], pz[i]);
+                    let normal = DVec3::new(nx[i], ny[i], nz[i]);
+                    weights[i] = reach.weight_all(point, normal);
+                }
+            }
+        }
+    }
+}
+
+/// Picks by weights.
+struct Pick<'a>(&'a mut Picks);
+
+impl Kernel for Pick<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Picks { pick, weights, emitter, chance, .. } = self.0;
+        let (mut sum, mut count) = ([0.0; LANES], [0.0; LANES]);
+        for weights in &*weights {
+            for i in 0..LANES {
+                sum[i] += weights[i];
+                count[i] += if weights[i] > 0.0 { 1.0 } else { 0.0 };
+            }
+        }
+        let (mut scale, mut even, mut rest) = ([0.0; LANES], [0.0; LANES], *pick);
+        for i in 0..LANES {
+            [scale[i], even[i]] = shares(sum[i], count[i]);
+        }
+        let mut at = [0.0; LANES];
+        *chance = [0.0; LANES];
+        let mut number = 0.0;
+        for weights in &*weights {
+            for i in 0..LANES {
+                // Once the rest is below 0 the choice is made.
+                let own = weights[i] * scale[i] + even[i];
+                let open = (weights[i] > 0.0) & (rest[i] >= 0.0);
+                at[i] = if open { number } else { at[i] };
+                chance[i] = if open { own } else { chance[i] };
+                let left = if rest[i] < own { -1.0 } else { rest[i] - own };
+                rest[i] = if open { left } else { rest[i] };
+            }
+            number += 1.0;
+        }
+        for i in 0..LANES {
+            emitter[i] = at[i] as u32;
+        }
     }
 }

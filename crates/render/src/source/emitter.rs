@@ -122,6 +122,12 @@ pub(super) enum Facing {
 impl Reach {
     /// About what a point receives; 0 only where that is nothing for sure.
     pub fn weight(&self, point: DVec3, normal: Option<DVec3>) -> f64 {
+        let flat = self.flat();
+        match (self.facing, normal, flat) {
+            (Facing::All, Some(n), _) => return self.weight_all(point, n),
+            (_, Some(n), Some(flat)) => return self.weight_flat(flat, point, n),
+            _ => {}
+        }
         let way = self.center - point;
         let d2 = way.length_squared();
         let r2 = self.radius * self.radius;
@@ -129,13 +135,7 @@ impl Reach {
             return positive(self.power / r2);
         }
         let inverse = 1.0 / d2.sqrt();
-        // About the mean cosine, 0 only where all of it is below the plane: that of the middle, and some of the
-        // greatest that any part may have.
-        let cosine = |n: DVec3, height: f64| {
-            let room = n.abs().dot(self.half).min(self.radius);
-            (((1.0 - HIGHEST) * height.max(0.0) + HIGHEST * (height + room)) * inverse)
-                .clamp(0.0, 1.0)
-        };
+        let cosine = |n: DVec3, height: f64| self.cosine(n, height, inverse);
         let out = match self.facing {
             Facing::All => 1.0,
             Facing::Both(n) => cosine(n, n.dot(way).abs()),
@@ -149,6 +149,45 @@ impl Reach {
         };
         let received = normal.map_or(1.0, |n| cosine(n, n.dot(way)));
         positive(self.power * (inverse * inverse) * out * received)
+    }
+
+    /// About the mean cosine, 0 only where all of it is below the plane: that of the middle, and some of the greatest
+    /// that any part may have.
+    #[inline(always)]
+    fn cosine(&self, n: DVec3, height: f64, inverse: f64) -> f64 {
+        let room = n.abs().dot(self.half).min(self.radius);
+        (((1.0 - HIGHEST) * height.max(0.0) + HIGHEST * (height + room)) * inverse).clamp(0.0, 1.0)
+    }
+
+    /// [`Self::weight`] of what shines to all sides. (Without branches, for loops over many points.)
+    #[inline(always)]
+    pub fn weight_all(&self, point: DVec3, normal: DVec3) -> f64 {
+        let way = self.center - point;
+        let (d2, r2) = (way.length_squared(), self.radius * self.radius);
+        let inverse = 1.0 / d2.sqrt();
+        let received = self.cosine(normal, normal.dot(way), inverse);
+        let far = self.power * (inverse * inverse) * received;
+        positive(if d2 <= r2 { self.power / r2 } else { far })
+    }
+
+    /// [`Self::weight`] of something flat.
+    #[inline(always)]
+    pub fn weight_flat(&self, flat: Flat, point: DVec3, normal: DVec3) -> f64 {
+        let way = self.center - point;
+        let (d2, r2) = (way.length_squared(), self.radius * self.radius);
+        let inverse = 1.0 / d2.sqrt();
+        let height = flat.normal.dot(way);
+        let height = if flat.both { height.abs() } else { -height };
+        let out = self.cosine(flat.normal, height, inverse);
+        let received = self.cosine(normal, normal.dot(way), inverse);
+        let far = self.power * (inverse * inverse) * out * received;
+        positive(if d2 <= r2 { self.power / r2 } else { far })
+    }
+
+    /// A ball, for what needs no more of it.
+    #[inline(always)]
+    pub const fn around(center: DVec3, radius: f64) -> Self {
+        Self { center, radius, half: DVec3::ZERO, facing: Facing::All, power: 0.0 }
     }
 
     /// Its normal, if it is flat.

@@ -189,6 +189,19 @@ impl Sources {
         u: [f64; 2],
     ) -> Option<SourceSample> {
         let (emitter, chance) = self.choice.pick(point, normal, pick)?;
+        self.sample_of(scene, emitter, chance, point, normal, u)
+    }
+
+    /// [`Self::sample`] of an emitter that was picked by a chance.
+    fn sample_of(
+        &self,
+        scene: &Scene,
+        emitter: u32,
+        chance: f64,
+        point: DVec3,
+        normal: Option<DVec3>,
+        u: [f64; 2],
+    ) -> Option<SourceSample> {
         let source = *self.source_of.get(emitter as usize)?;
         let sample = match self.choice.emitter(emitter)? {
             Emitter::Light(lamp) => {
