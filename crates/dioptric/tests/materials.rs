@@ -177,3 +177,27 @@ fn a_map_of_normals_turns_them_by_u_and_v() {
     near(value(&tilted, 0.0), root);
     near(value(&map(0.5, 0.75, high), 1.0), 30f64.to_radians().cos() * root);
 }
+
+/// What the sky shows below the horizon is what a white floor shows that sky and sun light.
+#[test]
+fn the_sky_and_its_sun_light_the_ground_as_they_say() {
+    for (sun, up) in [("(0.5, 0.7, 0.5)", "y"), ("(0.8, 0.1, 0.3)", "z")] {
+        let (eye, normal) =
+            if up == "y" { ("(0, 2, 0.1)", "(0, 1, 0)") } else { ("(0, 0.1, 2)", "(0, 0, 1)") };
+        let with = |floor: &str| {
+            let text = format!(
+                "version(1)\nscene(colors = \"raw\", up = \"{up}\")\n\
+                 render(size = (16, 16), integrator = \"path\", samples = 256, bounces = 1)\n\
+                 camera(eye = {eye}, look_at = (0, 0, 0), fov = 20)\n\
+                 background(sky(sun = {sun}, ground = 1), intensity = 0.5)\n{floor}"
+            );
+            mean(&pixels(&text))
+        };
+        let said = with("");
+        let got =
+            with(&format!("plane(point = (0, 0, 0), normal = {normal}, material = matte(1))"));
+        for i in 0..3 {
+            assert!((got[i] / said[i] - 1.0).abs() < 0.02, "{got:?} {said:?}");
+        }
+    }
+}

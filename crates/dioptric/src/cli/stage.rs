@@ -47,7 +47,7 @@ pub fn staged(schema: &Schema, files: &FolderLoader) -> Result<Description, Read
     let mut lines = vec![schema.example];
     // A scene without a camera is not read at all.
     lines.extend(Some(CAMERA).filter(|_| !own(Category::Camera)));
-    lines.extend(Some(LIGHTS).filter(|_| !own(Category::Light)));
+    lines.extend(Some(LIGHTS).filter(|_| !own(Category::Light) && schema.kind != "sky"));
     let lit = read_text(lines.join("\n"))?;
     let has =
         |category: Category| lit.roots.iter().any(|&id| lit.node(id).schema.category == category);

@@ -13,6 +13,7 @@ use dioptric_scene::{Args, Category, Description, Diagnostic, NodeId, Value};
 use crate::build::Builder;
 use crate::camera::AnyCamera;
 use crate::light::AnyLight;
+use crate::light::directional::Directional;
 use crate::scene::{Insides, PlacedLight, Scene};
 use crate::setting::background::Background;
 use crate::setting::develop;
@@ -86,6 +87,13 @@ pub fn compile(
             Ok(light) => lights.push(PlacedLight { light, node: id }),
             Err(e) => check(e),
         }
+    }
+    // The sun of a sky comes last, so that the lights of the file keep their numbers.
+    if let Some((towards, strength)) = background.sun()
+        && let Some(node) = d.roots_of("background").last()
+    {
+        let light = AnyLight::Directional(Directional::sun(towards, strength));
+        lights.push(PlacedLight { light, node });
     }
     let mut places = place::Places::new(d, &mut builder, options.max_objects);
     for id in roots_of(d, Category::Shape) {

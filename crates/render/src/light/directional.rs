@@ -45,6 +45,14 @@ static SCHEMA: Schema = Schema {
     example: "directional(direction = (1, -2, -1.5), intensity = 0.9, angle = 3)",
 };
 
+impl Directional {
+    /// A disc in the sky as large as the sun, towards a unit vector in the space of rays.
+    pub(crate) fn sun(towards: DVec3, strength: Spectrum) -> Self {
+        let half = sin(0.533_f64.to_radians() * 0.5);
+        Self { towards, spread: spread_of_sin2(half * half), strength, samples: 4 }
+    }
+}
+
 impl Light for Directional {
     const SCHEMA: &'static Schema = &SCHEMA;
 

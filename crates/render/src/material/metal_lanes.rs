@@ -11,39 +11,12 @@ use dioptric_math::Spectrum;
 
 use super::Conductor;
 use super::metal_data::Measured;
-
-/// The CIE 1931 standard observer's colour-matching functions x, y and z from 400 to 700 nm in steps of
-/// 20 (CIE 015:2018, table 6).
-const OBSERVER: [[f64; 3]; 16] = [
-    [0.01431, 0.000396, 0.06785],
-    [0.13438, 0.004, 0.6456],
-    [0.34828, 0.023, 1.74706],
-    [0.2908, 0.06, 1.6692],
-    [0.09564, 0.13902, 0.81295],
-    [0.0049, 0.323, 0.272],
-    [0.06327, 0.71, 0.07825],
-    [0.2904, 0.954, 0.0203],
-    [0.5945, 0.995, 0.0039],
-    [0.9163, 0.87, 0.00165],
-    [1.0622, 0.631, 0.0008],
-    [0.85445, 0.381, 0.00019],
-    [0.4479, 0.175, 2e-05],
-    [0.1649, 0.061, 0.0],
-    [0.04677, 0.017, 0.0],
-    [0.011359, 0.004102, 0.0],
-];
+use crate::observer::{OBSERVER, to_rgb};
 
 /// Relative spectral power of daylight, illuminant D65, at the same wavelengths (CIE 015:2018, table 5).
 const DAYLIGHT: [f64; 16] = [
     82.7549, 93.4318, 104.865, 117.812, 115.923, 109.354, 104.79, 104.405, 100.0, 95.788, 90.0062,
     87.6987, 83.6992, 80.2146, 78.2842, 71.6091,
-];
-
-/// From XYZ to linear Rec. 709 (IEC 61966-2-1:1999).
-const TO_RGB: [[f64; 3]; 3] = [
-    [3.2404542, -1.5371385, -0.4985314],
-    [-0.9692660, 1.8760108, 0.0415560],
-    [0.0556434, -0.2040259, 1.0572252],
 ];
 
 /// The colour of a reflectance by wavelength in daylight, 1 in all lanes where it is 1 everywhere.
@@ -56,10 +29,7 @@ fn color_of(mut reflectance: impl FnMut(f64) -> f64) -> Spectrum {
             seen[lane] += observer[lane] * power * r;
         }
     }
-    let rgb = |xyz: [f64; 3]| {
-        Spectrum::from(TO_RGB.map(|row| row[0] * xyz[0] + row[1] * xyz[1] + row[2] * xyz[2]))
-    };
-    rgb(seen) / rgb(white)
+    to_rgb(seen) / to_rgb(white)
 }
 
 /// The cosine of 80 degrees.

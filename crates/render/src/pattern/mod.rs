@@ -10,6 +10,7 @@ pub mod add;
 pub mod bricks;
 pub mod checker;
 pub mod crackle;
+mod daylight;
 pub mod distorted;
 pub mod dots;
 pub mod gradient;
@@ -24,6 +25,7 @@ pub mod noise;
 mod perlin;
 mod place;
 pub mod ramp;
+pub mod sky;
 pub mod solid;
 pub mod stripes;
 #[cfg(test)]
@@ -163,6 +165,7 @@ registry! {
     Multiply(multiply::Multiply),
     Noise(noise::Noise),
     Ramp(ramp::Ramp),
+    Sky(sky::Sky),
     Solid(solid::Solid),
     Stripes(stripes::Stripes),
     Transformed(transformed::Transformed),
@@ -254,6 +257,7 @@ mod tests {
             }
             let expected = match kind {
                 "solid" => [false; 3],
+                "sky" => [false, true, false],
                 // Its argument is a checker in object space.
                 "lattice" => [true, true, false],
                 _ => [true, false, false],

@@ -18,7 +18,7 @@ pub static SCHEMA: Schema = Schema {
     summary: "the colour of the sky: what is seen where nothing is hit",
     doc: "A colour, or a pattern painted on a sphere that is infinitely far away. The pattern is asked at the unit\n\
           direction of the ray: in object and world space that is the point (x, y, z) of the unit sphere, so\n\
-          that a gradient along the up axis is a sky; in uv space u is the longitude (0.5 straight ahead,\n\
+          that a gradient along the up axis is a sky (and `sky` is the real one, with the sun as a light); in uv space u is the longitude (0.5 straight ahead,\n\
           growing to the right) and v the latitude (0 below, 1 above), which fits panorama pictures. Mirrors and\n\
           glass see it too. In Whitted's pictures it lights nothing by itself; by paths it lights everything, as the sky\n\
           does.",
@@ -82,6 +82,17 @@ impl Background {
             ColorInput::Constant(c) => Some(*c * self.intensity),
             ColorInput::Pattern(_) => None,
         }
+    }
+
+    /// The light of the sun, if it is a sky that has one: the way to it in the space of rays, and what arrives.
+    #[must_use]
+    pub fn sun(&self) -> Option<(DVec3, Spectrum)> {
+        let (ColorInput::Pattern(pattern), Some(root)) = (&self.color, &self.root) else {
+            return None;
+        };
+        let AnyPattern::Sky(sky) = &**pattern else { return None };
+        let (towards, strength) = sky.sun()?;
+        Some((normalize(root.vector(towards))?, strength * self.intensity))
     }
 
     /// Width and height of the picture that the sky is, if it is one.
