@@ -24,6 +24,7 @@ pub mod integrator;
 pub mod job;
 pub mod light;
 pub mod material;
+pub mod noise;
 mod observer;
 pub mod parts;
 pub mod pattern;

@@ -14,6 +14,7 @@ use crate::integrator::{
     whitted::Whitted,
 };
 use crate::job::{self, Control, Shoot, Shot};
+use crate::noise::{self, Goal, Reached};
 use crate::parts::{self, Part, Wanted};
 use crate::region::Region;
 use crate::sampling::{PixelSample, Stream};
@@ -47,6 +48,21 @@ pub fn render_part(
     watch: &(dyn Fn(&parts::Progress<'_>) + Sync),
 ) -> Result<bool, Diagnostic> {
     parts::render(&scene.settings, wanted, part, pool, &Camera { scene }, control, watch)
+}
+
+/// Renders a region of a scene's picture until its error is small enough: see [`noise::render`].
+///
+/// # Errors
+/// There is not enough memory.
+pub fn render_until(
+    scene: &Scene,
+    goal: &Goal,
+    region: Region,
+    pool: &ThreadPool,
+    control: &Control,
+    go_on: &dyn Fn(u64) -> bool,
+) -> Result<(Film, Reached), Diagnostic> {
+    noise::render(&scene.settings, goal, region, pool, &Camera { scene }, control, go_on)
 }
 
 /// Shoots a scene's samples.

@@ -22,6 +22,7 @@ mod stage;
 mod stats;
 mod terminal;
 mod trace;
+mod until;
 mod why;
 mod why_text;
 

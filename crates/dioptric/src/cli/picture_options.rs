@@ -27,9 +27,9 @@ pub struct PictureOptions {
     /// With adaptive: the difference of neighbours that asks for more samples, 0 to 1.
     #[arg(long, value_name = "D")]
     threshold: Option<f64>,
-    /// With adaptive: the most samples of a pixel.
+    /// With adaptive, --noise and --budget: the most samples of a pixel.
     #[arg(long, value_name = "N")]
-    max_samples: Option<u32>,
+    pub max_samples: Option<u32>,
     /// How samples are weighed: box, tent, gaussian, mitchell or blackman_harris.
     #[arg(long, value_name = "NAME")]
     filter: Option<String>,

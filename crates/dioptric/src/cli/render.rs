@@ -13,7 +13,7 @@ use dioptric::render::region::Region;
 use dioptric::render::scene::Scene;
 use dioptric::render::{Film, compile, picture};
 use dioptric::scene::{Diagnostic, Loader, Sources};
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::encode::{FileOptions, Labels};
 use super::failure::Failure;
@@ -25,6 +25,7 @@ use super::progress::{Bar, Interrupt};
 use super::scene_options::{ReadScene, SceneOptions};
 use super::stats::{self, Stats};
 use super::terminal::{Terminal, note};
+use super::until::{self, Made, UntilOptions, Work};
 
 /// Renders a scene to a picture file.
 #[derive(Debug, clap::Args)]
@@ -59,6 +60,8 @@ pub struct RenderArgs {
     quiet: bool,
     #[command(flatten)]
     picture: PictureOptions,
+    #[command(flatten)]
+    until: UntilOptions,
     #[command(flatten)]
     long: LongOptions,
 }
@@ -96,15 +99,15 @@ pub fn run(args: &RenderArgs, terminal: &Terminal) -> Result<(), Failure> {
         // In the pool, so that trees are built by all threads.
         let hashing = HashingLoader::new(&loader);
         let loader: &dyn Loader = if args.long.is_used() { &hashing } else { &loader };
-        let (scene, warnings) =
-            pool.install(|| compile::compile(&description, loader, &options))
-                .map_err(|errors| Failure::Scene(errors, description.sources.clone()))?;
+        let (mut scene, warnings) = pool
+            .install(|| compile::compile(&description, loader, &options))
+            .map_err(|errors| Failure::Scene(errors, description.sources.clone()))?;
         let compiled = started.elapsed().as_secs_f64();
         terminal.complain(&warnings, &description.sources);
         let region = args.picture.region(scene.settings.size)?;
         let settings = stats::settings(&scene.settings, &scene.develop, region);
         let frame = args.frames.map(|_| task.frame);
-        let labels = Labels::new(settings, scene.develop, &params, frame);
+        let mut labels = Labels::new(settings, scene.develop, &params, frame);
 
         let name = task.name();
         let started = Instant::now();
@@ -118,6 +121,24 @@ pub fn run(args: &RenderArgs, terminal: &Terminal) -> Result<(), Failure> {
                 labels.to_json(),
             );
             args.make_part(&scene, region, identity, task, &pool, &bar, &interrupt)
+        } else if args.until.is_used() {
+            let made = args.until.make(&Work {
+                scene: &scene,
+                region,
+                most: args.picture.max_samples,
+                layers: args.file.layers,
+                pool: &pool,
+                bar: &bar,
+                interrupt: &interrupt,
+            });
+            bar.finish();
+            made.map(|made| {
+                scene.settings.samples = made.samples.unwrap_or(scene.settings.samples);
+                scene.settings.max_samples = scene.settings.samples;
+                labels.settings = stats::settings(&scene.settings, &scene.develop, region);
+                args.tell(&name, &made, &mut labels.settings);
+                made.film
+            })
         } else {
             let show = |progress: &dioptric::render::job::Progress| bar.update(progress);
             let control = Control {
@@ -215,6 +236,19 @@ impl RenderArgs {
                 Ok(Task { frame, output, sample_map: map.transpose()? })
             })
             .collect()
+    }
+
+    /// Says what was reached, and notes it among the settings.
+    fn tell(&self, name: &str, made: &Made, settings: &mut Value) {
+        if let Some((goal, reached)) = &made.reached {
+            if !self.quiet || !reached.met {
+                note(&format!("{name}: {}\n", until::words(*goal, reached)));
+            }
+            settings["noise"] = json!(goal);
+            settings["samples"] = json!(reached.samples);
+        } else if let (Some(samples), false) = (made.samples, self.quiet) {
+            note(&format!("{name}: {samples} samples a pixel; again with --samples {samples}\n"));
+        }
     }
 
     /// Makes what a checkpoint lacks, and keeps it there.

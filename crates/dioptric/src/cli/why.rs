@@ -75,6 +75,10 @@ struct UnusedOptions {
     #[arg(long, hide = true)]
     sample_range: Option<String>,
     #[arg(long, hide = true)]
+    noise: Option<String>,
+    #[arg(long, hide = true)]
+    budget: Option<String>,
+    #[arg(long, hide = true)]
     stats: Option<String>,
     #[arg(short, long, hide = true)]
     quiet: bool,

@@ -13,4 +13,5 @@ mod long;
 mod output;
 mod run;
 mod trace;
+mod until;
 mod why;

@@ -84,6 +84,11 @@ impl Part {
         self.begun.is_some()
     }
 
+    /// Leaves out the samples of the block that is there for some pixels only.
+    pub fn forget_begun(&mut self) {
+        self.begun = None;
+    }
+
     /// Takes the samples of another part of the same region. Those of its block that is not complete are left out.
     ///
     /// # Errors
