@@ -14,6 +14,7 @@ pub mod directional;
 pub mod disc;
 mod panel;
 pub mod point;
+mod profile;
 pub(crate) mod shared;
 mod sharp;
 pub mod spot;

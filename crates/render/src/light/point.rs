@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A lamp: a point or a ball that shines everywhere.
 
-use dioptric_math::{DVec3, Spectrum};
-use dioptric_scene::{Args, Category, Diagnostic, Param, Schema, Type};
+use dioptric_math::{DVec3, Spectrum, normalize};
+use dioptric_scene::{Args, Category, Default, Diagnostic, Param, Schema, Type};
 
+use super::profile::{PROFILE, PROFILE_TURN, Profile};
 use super::shared::{Ball, COLOR, FALLOFF, INTENSITY, RADIUS, SAMPLES, samples, strength};
 use super::{Light, LightPass, LightPlace, LightSample, LightView, Sharp};
 use crate::build::Builder;
@@ -15,6 +16,7 @@ pub struct Point {
     ball: Ball,
     strength: Spectrum,
     samples: u32,
+    profile: Option<Profile>,
 }
 
 static SCHEMA: Schema = Schema {
@@ -27,7 +29,10 @@ static SCHEMA: Schema = Schema {
           A `radius` above 0 makes it a ball, whose shadows have soft edges. The ball itself is not seen, casts\n\
           no shadow, and gives a surface that faces it exactly what the point would. `samples` directions are\n\
           taken, uniform over those in which the ball is seen (Shirley, Wang and Zimmerman, \"Monte Carlo\n\
-          Techniques for Direct Lighting Calculations\", ACM TOG 15(1), 1996).",
+          Techniques for Direct Lighting Calculations\", ACM TOG 15(1), 1996).\n\n\
+          A `profile` says how bright a real lamp is to each side; the sides of a ball all follow that of its middle.\n\
+          `intensity` is then that of the brightest direction. The angle 0 around the axis is towards x (z for lamps\n\
+          that point along x), and angles grow counterclockwise seen from above a lamp that points down.",
     params: &[
         Param::required("position", Type::Vec3, "Where it is: its middle."),
         INTENSITY,
@@ -35,15 +40,38 @@ static SCHEMA: Schema = Schema {
         FALLOFF,
         RADIUS,
         SAMPLES,
+        PROFILE,
+        Param::new(
+            "profile_direction",
+            Type::Direction,
+            Default::Absent,
+            "Where the profile's axis points: down if absent.",
+        ),
+        PROFILE_TURN,
     ],
     example: "light(position = (-3, 5, 4), intensity = 0.9, radius = 0.6)",
 };
+
+impl Point {
+    /// The share of its strength towards a point; `None` where that is nothing.
+    fn share(&self, point: DVec3) -> Option<f64> {
+        let Some(profile) = &self.profile else { return Some(1.0) };
+        let share = normalize(point - self.ball.center).map_or(1.0, |away| profile.share(away));
+        (share > 0.0).then_some(share)
+    }
+}
 
 impl Light for Point {
     const SCHEMA: &'static Schema = &SCHEMA;
 
     fn from_args(args: &Args, builder: &mut Builder, root: &Root) -> Result<Self, Diagnostic> {
+        let axis = if args.is_written("profile_direction") {
+            normalize(args.vec3("profile_direction")?.into()).unwrap_or(-root.up())
+        } else {
+            -root.up()
+        };
         Ok(Self {
+            profile: Profile::from_args(args, builder, root, axis)?,
             ball: Ball::from_args(args, root)?,
             strength: strength(args, builder)?,
             samples: samples(args)?,
@@ -52,10 +80,11 @@ impl Light for Point {
 
     fn sample(&self, point: DVec3, u: [f64; 2]) -> Option<LightSample> {
         let s = self.ball.sample(point, u)?;
+        let share = self.share(point)?;
         Some(LightSample {
             direction: s.direction,
             distance: s.distance,
-            arriving: self.strength * s.weight,
+            arriving: self.strength * (s.weight * share),
         })
     }
 
@@ -69,18 +98,22 @@ impl Light for Point {
 
     fn pass(&self, origin: DVec3, direction: DVec3) -> Option<LightPass> {
         let (s, density) = self.ball.pass(origin, direction)?;
-        let arriving = self.strength * s.weight;
+        let arriving = self.strength * (s.weight * self.share(origin)?);
         Some(LightPass { distance: s.distance, arriving, density })
     }
 
     fn view(&self, point: DVec3) -> Option<LightView> {
         let (direction, sine, weight) = self.ball.view(point)?;
-        Some(LightView { direction, sine, arriving: self.strength * weight })
+        Some(LightView { direction, sine, arriving: self.strength * (weight * self.share(point)?) })
     }
 
     fn sharp(&self) -> Option<Sharp> {
         let Ball { center, falloff, radius } = self.ball;
-        (radius == 0.0).then_some(Sharp::Point { center, falloff, strength: self.strength })
+        (radius == 0.0 && self.profile.is_none()).then_some(Sharp::Point {
+            center,
+            falloff,
+            strength: self.strength,
+        })
     }
 
     fn place(&self) -> Option<LightPlace> {

@@ -4,6 +4,7 @@
 use dioptric_math::{DVec3, Spectrum, cos, normalize};
 use dioptric_scene::{Args, Category, Default, Diagnostic, Param, Schema, Type};
 
+use super::profile::{PROFILE, PROFILE_TURN, Profile};
 use super::shared::{Ball, COLOR, FALLOFF, INTENSITY, RADIUS, SAMPLES, samples, strength};
 use super::{Light, LightPass, LightPlace, LightSample, LightView};
 use crate::build::Builder;
@@ -21,6 +22,7 @@ pub struct Spot {
     cos_inner: f64,
     /// Cosine of the angle outside which it is dark.
     cos_outer: f64,
+    profile: Option<Profile>,
 }
 
 static SCHEMA: Schema = Schema {
@@ -58,6 +60,8 @@ static SCHEMA: Schema = Schema {
         FALLOFF,
         RADIUS,
         SAMPLES,
+        PROFILE,
+        PROFILE_TURN,
     ],
     example: "spot(position = (-2, 4, 4), look_at = (0, 0.5, 0), angle = 28, soft = 0.4)",
 };
@@ -66,6 +70,17 @@ impl Spot {
     /// Its axis, and the cosine of the widest angle to it that it lights.
     pub(crate) const fn cone(&self) -> (DVec3, f64) {
         (self.axis, self.cos_outer)
+    }
+
+    /// The share of full strength towards a point.
+    fn towards(&self, point: DVec3) -> Option<f64> {
+        let away = normalize(point - self.ball.center)?;
+        let share = self.share(away.dot(self.axis));
+        let share = match &self.profile {
+            Some(profile) if share > 0.0 => share * profile.share(away),
+            _ => share,
+        };
+        (share > 0.0).then_some(share)
     }
 
     /// The share of full strength at an angle to the axis, given by its cosine.
@@ -112,6 +127,7 @@ impl Light for Spot {
         let inner = outer * (1.0 - args.number("soft")?);
         let axis = axis(args)?;
         Ok(Self {
+            profile: Profile::from_args(args, builder, root, axis)?,
             ball: Ball::from_args(args, root)?,
             strength: strength(args, builder)?,
             samples: samples(args)?,
@@ -122,10 +138,7 @@ impl Light for Spot {
     }
 
     fn sample(&self, point: DVec3, u: [f64; 2]) -> Option<LightSample> {
-        let share = self.share(normalize(point - self.ball.center)?.dot(self.axis));
-        if share <= 0.0 {
-            return None;
-        }
+        let share = self.towards(point)?;
         let s = self.ball.sample(point, u)?;
         Some(LightSample {
             direction: s.direction,
@@ -143,20 +156,14 @@ impl Light for Spot {
     }
 
     fn pass(&self, origin: DVec3, direction: DVec3) -> Option<LightPass> {
-        let share = self.share(normalize(origin - self.ball.center)?.dot(self.axis));
-        if share <= 0.0 {
-            return None;
-        }
+        let share = self.towards(origin)?;
         let (s, density) = self.ball.pass(origin, direction)?;
         let arriving = self.strength * (share * s.weight);
         Some(LightPass { distance: s.distance, arriving, density })
     }
 
     fn view(&self, point: DVec3) -> Option<LightView> {
-        let share = self.share(normalize(point - self.ball.center)?.dot(self.axis));
-        if share <= 0.0 {
-            return None;
-        }
+        let share = self.towards(point)?;
         let (direction, sine, weight) = self.ball.view(point)?;
         Some(LightView { direction, sine, arriving: self.strength * (share * weight) })
     }
