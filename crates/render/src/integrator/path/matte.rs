@@ -8,7 +8,7 @@ use dioptric_geometry::world::{Bundle, Found, Hit, Leave, Sixteen};
 use dioptric_math::wide::{Kernel, wide};
 use dioptric_math::{DVec3, Spectrum, orthonormal_basis};
 
-use super::vertex::{MOST, SURE, share};
+use super::vertex::{MOST, SURE, WORTH, share};
 use super::{Path, Paths, Round, Wave};
 use crate::bsdf::{cosine_pdf, raised_disc};
 use crate::integrator::lit::{Vectors, get, put};
@@ -292,7 +292,7 @@ impl Kernel for Scatter<'_> {
             let out = x * wi.x + y * wi.y + normal * wi.z;
             let throughput = throughput * albedo;
             let most = throughput.x.max(throughput.y).max(throughput.z);
-            let goes_on = (most / squeezed[i]).min(MOST);
+            let goes_on = (most / squeezed[i] * WORTH).min(MOST);
             let unsure = unsure[i] != 0.0;
             let survives = !unsure | (chance[i] < goes_on);
             let divisor = if unsure { goes_on } else { 1.0 };

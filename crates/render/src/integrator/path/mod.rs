@@ -287,6 +287,7 @@ impl<'a, 'r, R: Recorder> Paths<'a, 'r, R> {
 
 impl<I> Round<I> {
     /// Keeps a path that goes on for the next step; whether there is one.
+    #[inline(always)]
     fn go_on(&mut self, next: Option<(Path<I>, Query)>) -> bool {
         let Some((path, query)) = next else { return false };
         self.next.paths.push(path);

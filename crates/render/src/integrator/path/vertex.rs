@@ -24,6 +24,9 @@ use crate::wavelength;
 
 /// Bounces before chance may end a path.
 pub(super) const SURE: u32 = 3;
+/// What a path carries is worth so much more than that of its first ray: ending it saves less work than it took to get
+/// there. (By measurement: docs/performance.md.)
+pub(super) const WORTH: f64 = 2.0;
 /// Who carries nearly all of its light goes on for sure but for this share: in a white room nothing else would end it.
 pub(super) const MOST: f64 = 0.98;
 
@@ -107,7 +110,7 @@ pub(super) fn carries_on<I>(next: &mut Path<I>, stream: &mut Stream) -> Option<f
         return Some(1.0);
     }
     let [chance, _] = stream.next_2d();
-    let goes_on = (next.throughput.max_element() / next.squeezed).min(MOST);
+    let goes_on = (next.throughput.max_element() / next.squeezed * WORTH).min(MOST);
     if chance >= goes_on {
         return None;
     }
