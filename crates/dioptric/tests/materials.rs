@@ -178,6 +178,25 @@ fn a_map_of_normals_turns_them_by_u_and_v() {
     near(value(&map(0.5, 0.75, high), 1.0), 30f64.to_radians().cos() * root);
 }
 
+/// The manual's tables of materials leave none out.
+#[test]
+fn tables_of_the_manual_have_every_material() {
+    let read = |page: &str| {
+        std::fs::read_to_string(support::root().join("docs/manual/src").join(page)).unwrap()
+    };
+    let (means, shows) = (read("path.md"), read("materials.md"));
+    for schema in dioptric::render::material::SCHEMAS {
+        let kind = format!("`{}`", schema.kind);
+        let row = |text: &str| {
+            text.lines().any(|l| {
+                l.starts_with('|') && l.split('|').nth(1).is_some_and(|c| c.contains(&kind))
+            })
+        };
+        assert!(row(&means), "path.md has no row for {kind}");
+        assert!(shows.contains(&kind), "materials.md does not mention {kind}");
+    }
+}
+
 /// What the sky shows below the horizon is what a white floor shows that sky and sun light.
 #[test]
 fn the_sky_and_its_sun_light_the_ground_as_they_say() {

@@ -73,6 +73,14 @@ impl Cone {
     }
 }
 
+impl Cone {
+    /// The middles of both ends, the radii there, and whether it has no discs.
+    #[must_use]
+    pub fn ends(&self) -> ([DVec3; 2], [f64; 2], bool) {
+        self.0.ends()
+    }
+}
+
 impl Described for Cone {
     const SCHEMA: &'static Schema = &SCHEMA;
 

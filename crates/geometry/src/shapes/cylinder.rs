@@ -60,6 +60,14 @@ impl Cylinder {
     }
 }
 
+impl Cylinder {
+    /// The middles of both ends, the radii there, and whether it has no discs.
+    #[must_use]
+    pub fn ends(&self) -> ([DVec3; 2], [f64; 2], bool) {
+        self.0.ends()
+    }
+}
+
 impl Described for Cylinder {
     const SCHEMA: &'static Schema = &SCHEMA;
 

@@ -281,6 +281,12 @@ impl Frustum {
         }
     }
 
+    /// The middles of both ends, the radii there, and whether it has no discs.
+    pub fn ends(&self) -> ([DVec3; 2], [f64; 2], bool) {
+        let top = self.base + self.axis * self.height;
+        ([self.base, top], [self.radius, self.top_radius], self.open)
+    }
+
     /// Where the axis begins, its direction and length, and the radius of the tube around it that holds everything.
     pub fn tube(&self) -> (DVec3, DVec3, f64, f64) {
         (self.base, self.axis, self.height, self.radius.max(self.top_radius))

@@ -138,6 +138,12 @@ impl Polygon {
         Ok(Self { facet, outline, bounds, uv_min: low, uv_size: high - low, off })
     }
 
+    /// The unit normal of its plane, and the corners of its outline and of each hole.
+    #[must_use]
+    pub fn rings(&self) -> (DVec3, Vec<Vec<DVec3>>) {
+        (self.facet.normal, self.outline.loops().map(<[DVec3]>::to_vec).collect())
+    }
+
     /// A point and the normal of its plane, the corners of its outline and holes, and how far these lie off the plane.
     pub(crate) fn flat(&self) -> ((DVec3, DVec3), &[DVec3], f64) {
         ((self.facet.point, self.facet.normal), self.outline.corners(), self.off)

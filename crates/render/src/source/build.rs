@@ -14,7 +14,9 @@ use super::emitter::{Facing, Glow, Reach, ball_around};
 use super::faces::{self, Face, Faces};
 use super::patch::{Moved, Patch};
 use super::ring::Ring;
+use super::sheet::{self, Sheet};
 use super::triangles::{self, Triangles};
+use super::tube::Tube;
 use super::{brightness, shining};
 use crate::scene::Scene;
 
@@ -215,6 +217,19 @@ fn patch(shape: &AnyShape, place: DAffine3) -> Option<Patch> {
             });
             Faces::solid(faces.collect()).map(Patch::Faces)
         }
+        AnyShape::Polygon(polygon) => {
+            let (normal, rings) = polygon.rings();
+            let rings: Vec<Vec<DVec3>> =
+                rings.into_iter().map(|ring| ring.into_iter().map(carry).collect()).collect();
+            let normal = normalize(place.matrix3.inverse().transpose() * normal)?;
+            let faces = sheet::triangles(&rings, normal)?;
+            if faces.len() <= faces::MOST {
+                return Faces::new(faces, false).map(Patch::Faces);
+            }
+            Sheet::new(faces).map(Patch::Sheet)
+        }
+        AnyShape::Cylinder(cylinder) => tube(cylinder.ends(), place),
+        AnyShape::Cone(cone) => tube(cone.ends(), place),
         AnyShape::Mesh(mesh) if mesh.data().triangles.len() <= faces::MOST => {
             let parts = 0..mesh.data().triangles.len() as u32;
             let faces = parts.filter_map(|part| triangles::face(mesh, &place, part));
@@ -223,6 +238,11 @@ fn patch(shape: &AnyShape, place: DAffine3) -> Option<Patch> {
         AnyShape::Mesh(mesh) => Triangles::new(mesh, place).map(Patch::Triangles),
         _ => None,
     }
+}
+
+fn tube((ends, radii, open): ([DVec3; 2], [f64; 2], bool), place: DAffine3) -> Option<Patch> {
+    let tube = Patch::Tube(Tube::new(ends, radii, open)?);
+    Some(if place == DAffine3::IDENTITY { tube } else { moved(tube, place) })
 }
 
 fn moved(patch: Patch, place: DAffine3) -> Patch {
@@ -265,6 +285,16 @@ fn reach(patch: &Patch) -> (DVec3, f64, Facing, f64) {
         Patch::Triangles(triangles) => {
             let (center, radius) = triangles.ball();
             (center, radius, Facing::All, 0.25 * triangles.area())
+        }
+        Patch::Sheet(sheet) => {
+            let all = sheet.faces();
+            let (center, radius) = ball_around(all.iter().flat_map(Face::corners));
+            let normal = all.first().map_or(DVec3::Z, |f| f.normal());
+            (center, radius, Facing::Both(normal), sheet.area())
+        }
+        Patch::Tube(tube) => {
+            let (center, radius) = tube.ball();
+            (center, radius, Facing::All, 0.25 * tube.area())
         }
         Patch::Moved(moved) => {
             let (center, radius, facing, area) = reach(&moved.patch);

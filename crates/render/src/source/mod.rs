@@ -16,11 +16,13 @@ mod lanes;
 mod patch;
 mod rectangle;
 mod ring;
+mod sheet;
 mod sky;
 #[cfg(test)]
 mod tests;
 mod tree;
 mod triangles;
+mod tube;
 
 use dioptric_geometry::world::Hit;
 use dioptric_geometry::{HitId, Ray, SurfacePoint};

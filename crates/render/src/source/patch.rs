@@ -6,7 +6,9 @@ use dioptric_math::{DAffine3, DMat3, DVec3, normalize};
 use super::ball::Ball;
 use super::faces::Faces;
 use super::ring::Ring;
+use super::sheet::Sheet;
 use super::triangles::Triangles;
+use super::tube::Tube;
 
 /// A point of a surface in a direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,6 +51,8 @@ pub(super) enum Patch {
     Faces(Faces),
     Ring(Ring),
     Triangles(Triangles),
+    Sheet(Sheet),
+    Tube(Tube),
     /// A ball or a ring whose transform makes something else of it.
     Moved(Box<Moved>),
 }
@@ -61,6 +65,8 @@ impl Patch {
             Self::Faces(faces) => faces.sample(point, u),
             Self::Ring(ring) => ring.sample(point, u),
             Self::Triangles(triangles) => triangles.sample(point, u),
+            Self::Sheet(sheet) => sheet.sample(point, u),
+            Self::Tube(tube) => tube.sample(point, u),
             Self::Moved(moved) => moved.sample(point, u),
         }?;
         let usable = found.density > 0.0
@@ -85,6 +91,8 @@ impl Patch {
                 Self::Triangles(triangles) => {
                     triangles.point(u).map(|(p, face)| (p, face.normal(), face.part()))
                 }
+                Self::Sheet(sheet) => sheet.point(u).map(|(p, n)| (p, n, 0)),
+                Self::Tube(tube) => Some(tube.point(u)),
                 Self::Moved(_) => None,
             }
         });
@@ -104,6 +112,8 @@ impl Patch {
             Self::Faces(faces) => faces.density(point),
             Self::Ring(ring) => ring.density(point, met),
             Self::Triangles(triangles) => met.per_solid_angle(1.0 / triangles.area()),
+            Self::Sheet(sheet) => met.per_solid_angle(1.0 / sheet.area()),
+            Self::Tube(tube) => met.per_solid_angle(1.0 / tube.area()),
             Self::Moved(moved) => moved.density(point, met),
         }
     }

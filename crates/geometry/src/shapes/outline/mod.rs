@@ -93,6 +93,11 @@ impl Outline {
         (0..=self.holes.len()).map(|i| self.ring(i))
     }
 
+    /// The corners of the outline, and of each hole.
+    pub fn loops(&self) -> impl Iterator<Item = &[DVec3]> {
+        self.rings().map(|(start, end)| self.corners.get(start..end).unwrap_or_default())
+    }
+
     /// Whether the line through `origin` along `direction` passes through it, by the parity of the
     /// edges to one side.
     pub fn is_passed(&self, origin: DVec3, direction: DVec3) -> bool {

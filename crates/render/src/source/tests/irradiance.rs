@@ -295,3 +295,62 @@ fn lambert_is_right() {
     let expected = 0.5 * (x / p * atan(y / p) + y / q * atan(x / q));
     near(lambert(&corners, DVec3::Y), expected, 1e-12, "corner");
 }
+
+/// The same for tubes, cones and polygons with holes, as they are and moved.
+#[test]
+fn round_ones_and_polygons_are_found_as_they_are_seen() {
+    let mut m = Maker::default();
+    let n = Value::Number;
+    let list = |points: &[[f64; 3]]| {
+        Value::List(points.iter().map(|&p| Value::Vec3(p)).collect::<Vec<_>>().into())
+    };
+    let stretch = m.add("scale", &[("by", v3(1.0, 0.5, 1.6))]);
+    let turn = m.add("rotate", &[("axis", v3(1.0, 0.4, 0.0)), ("angle", n(50.0))]);
+    let transform = ("transform", Value::List([stretch, turn].map(Value::Node).to_vec().into()));
+    let tube = [("base", v3(-2.0, 1.5, 0.0)), ("top", v3(-0.5, 2.0, 0.5)), ("radius", n(0.2))];
+    m.glow("cylinder", &tube, [3.0, 1.0, 0.0]);
+    let open = [tube.to_vec(), vec![("open", Value::Bool(true)), transform.clone()]].concat();
+    m.glow("cylinder", &open, [1.0, 2.0, 0.0]);
+    let cone = [("base", v3(1.0, 1.5, -1.0)), ("radius", n(0.6)), ("height", n(0.9))];
+    m.glow("cone", &cone, [0.0, 1.0, 2.0]);
+    let cut = [
+        ("base", v3(1.0, 2.5, 1.0)),
+        ("radius", n(0.2)),
+        ("top_radius", n(0.5)),
+        ("height", n(0.4)),
+        transform,
+    ];
+    m.glow("cone", &cut, [2.0, 0.0, 1.0]);
+    let outline = list(&[
+        [-1.0, 3.0, -2.0],
+        [1.5, 3.0, -2.0],
+        [2.0, 3.0, 1.0],
+        [0.3, 3.0, 0.0],
+        [-1.0, 3.0, 1.0],
+    ]);
+    let hole = list(&[[0.0, 3.0, -1.5], [1.0, 3.0, -1.5], [0.5, 3.0, -0.7]]);
+    let holed = [("points", outline), ("holes", Value::List(vec![hole].into()))];
+    m.glow("polygon", &holed, [1.0, 1.0, 1.0]);
+    // Too many corners to be looked at one by one.
+    let star: Vec<[f64; 3]> = (0..30)
+        .map(|i| {
+            let (s, c) = dioptric_math::sin_cos(f64::from(i) * std::f64::consts::TAU / 30.0);
+            let r = if i % 2 == 0 { 0.8 } else { 0.5 };
+            [2.5 + 0.2 * r * c, 1.0 + r * s, r * c]
+        })
+        .collect();
+    m.glow("polygon", &[("points", list(&star))], [0.5, 2.0, 0.5]);
+    let scene = m.scene();
+    assert!((0..6).all(|source| scene.sources.label(&scene, source).is_some()));
+    for (point, normal) in [
+        (DVec3::ZERO, DVec3::Y),
+        (DVec3::new(-0.5, 0.3, 0.4), DVec3::new(0.6, 0.64, 0.48)),
+        (DVec3::new(3.0, 0.0, -1.0), DVec3::new(-0.6, 0.8, 0.0)),
+    ] {
+        let [_, seen, both] = irradiance(&scene, point, normal, 60_000, 13);
+        let off = (seen.value() - both.value()).abs()
+            / (seen.error() * seen.error() + both.error() * both.error()).sqrt();
+        assert!(off < 4.0, "{seen:?} {both:?} {off:.2}");
+        assert!(both.error() < 0.6 * seen.error(), "{} {}", both.error(), seen.error());
+    }
+}
