@@ -19,6 +19,7 @@ pub mod camera;
 pub mod compile;
 pub mod film;
 pub mod filter;
+pub mod guide;
 pub mod input;
 pub mod integrator;
 pub mod job;

@@ -15,6 +15,7 @@ use dioptric_scene::{Description, NodeId};
 
 use crate::bump::perturbed_normal;
 use crate::camera::AnyCamera;
+use crate::guide::Guide;
 use crate::integrator::media::Medium;
 use crate::integrator::recorder::SourcePlace;
 use crate::light::AnyLight;
@@ -104,6 +105,8 @@ pub struct Scene {
     pub lights: Vec<PlacedLight>,
     /// Where paths look for light; empty for other integrators.
     pub sources: Sources,
+    /// Where glass and mirrors gather light, if paths are to know.
+    pub guide: Option<Guide>,
     /// Light that comes from everywhere.
     pub ambient: Spectrum,
     /// What is seen where nothing is hit.

@@ -27,28 +27,45 @@ struct Lanes {
     below: [Vec<f64>; 3],
 }
 
+/// How far from a hint, in nanometres, and how often.
+const NEAR: f64 = 15.0;
+const HINTED: f64 = 0.6;
+
 /// A wavelength for a path that carries `throughput`, in micrometres, and what multiplies its lanes; `u` is uniform in
-/// `[0, 1)`.
+/// `[0, 1)`. With a `hint` (not 0) it is often one near that, and counts by how often it is picked then.
 #[must_use]
-pub fn pick(throughput: Spectrum, u: f64) -> (f64, Spectrum) {
+pub fn pick(throughput: Spectrum, hint: f64, u: f64) -> (f64, Spectrum) {
+    let hinted = if hint > 0.0 { HINTED } else { 0.0 };
+    let hint = hint * 1e3;
     let carried = throughput.max(Spectrum::ZERO);
     let sum = carried.x + carried.y + carried.z;
     let chances = if sum > 0.0 { (carried / sum).to_array() } else { [1.0 / 3.0; 3] };
-    let (mut lane, mut rest) = (0, u);
+    let lanes = &*LANES;
+    let weigh = |nm: f64| {
+        let place = ((nm - FIRST) as usize).min(COUNT - 1);
+        let inside = nm >= FIRST && nm < FIRST + COUNT as f64;
+        let density = if inside { lanes.density[place] } else { [0.0; 3] };
+        let own: f64 = chances.iter().zip(density).map(|(chance, d)| chance * d).sum();
+        let near = if (nm - hint).abs() <= NEAR { hinted / (2.0 * NEAR) } else { 0.0 };
+        let all = (1.0 - hinted) * own + near;
+        if all > 0.0 { Spectrum::from(density) / all } else { Spectrum::ZERO }
+    };
+    if u < hinted {
+        let nm = hint + NEAR * (2.0 * (u / hinted) - 1.0);
+        return (nm * 1e-3, weigh(nm));
+    }
+    let (mut lane, mut rest) = (0, (u - hinted) / (1.0 - hinted));
     while lane < 2 && rest >= chances[lane] {
         rest -= chances[lane];
         lane += 1;
     }
-    let lanes = &*LANES;
     let rest =
         if chances[lane] > 0.0 { (rest / chances[lane]).min(1.0 - f64::EPSILON) } else { 0.0 };
     let below = &lanes.below[lane];
     let place = below.partition_point(|&sum| sum <= rest).clamp(1, COUNT) - 1;
     let within = (rest - below[place]) / lanes.density[place][lane].max(f64::MIN_POSITIVE);
-    let density = lanes.density[place];
-    let all: f64 = chances.iter().zip(density).map(|(chance, d)| chance * d).sum();
-    let weight = if all > 0.0 { Spectrum::from(density) / all } else { Spectrum::ZERO };
-    ((FIRST + place as f64 + within.clamp(0.0, 1.0)) * 1e-3, weight)
+    let nm = FIRST + place as f64 + within.clamp(0.0, 1.0 - 1e-9);
+    (nm * 1e-3, weigh(nm))
 }
 
 impl Lanes {
@@ -126,7 +143,8 @@ mod tests {
             let mut sum = Spectrum::ZERO;
             let mut last = 0.0;
             for i in 0..n {
-                let (wavelength, weight) = pick(throughput, (f64::from(i) + 0.5) / f64::from(n));
+                let (wavelength, weight) =
+                    pick(throughput, 0.0, (f64::from(i) + 0.5) / f64::from(n));
                 assert!((0.39..=0.71).contains(&wavelength) && weight.min_element() >= 0.0);
                 if throughput == Spectrum::X {
                     assert!(wavelength >= last, "one lane is picked in order");
@@ -139,6 +157,22 @@ mod tests {
                     assert!((sum[lane] - 1.0).abs() < 1e-3, "{throughput}: {sum}");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn hints_change_no_mean() {
+        for hint in [0.39, 0.45, 0.58, 0.7] {
+            let n = 100_000;
+            let (mut sum, mut near) = (Spectrum::ZERO, 0);
+            for i in 0..n {
+                let u = (f64::from(i) + 0.5) / f64::from(n);
+                let (wavelength, weight) = pick(Spectrum::ONE, hint, u);
+                sum += weight / f64::from(n);
+                near += i32::from((wavelength - hint).abs() <= 0.015);
+            }
+            assert!((sum - Spectrum::ONE).length() < 2e-3, "{hint}: {sum}");
+            assert!(near > n / 2);
         }
     }
 

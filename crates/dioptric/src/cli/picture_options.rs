@@ -48,6 +48,9 @@ pub struct PictureOptions {
     /// With path: cuts indirect light off at this radiance (biased).
     #[arg(long, value_name = "RADIANCE")]
     clamp: Option<f64>,
+    /// With path: photons that find where glass and mirrors gather light; 100000 are a good number.
+    #[arg(long, value_name = "N")]
+    caustics: Option<u32>,
     /// What blocks light: opaque, tinted or none.
     #[arg(long, value_name = "KIND")]
     shadows: Option<String>,
@@ -132,6 +135,7 @@ impl PictureOptions {
             ("bounces", number(self.bounces.map(f64::from))),
             ("min_contribution", number(self.min_contribution)),
             ("clamp", number(self.clamp)),
+            ("caustics", number(self.caustics.map(f64::from))),
             ("shadows", text(&self.shadows)),
             ("seed", number(self.seed.map(|n| n as f64))),
         ];

@@ -89,6 +89,11 @@ impl BsdfSample {
     }
 }
 
+/// Whether a surface of this roughness sends light to single directions.
+pub(crate) fn is_smooth(roughness: f64) -> bool {
+    roughness < SMOOTHEST
+}
+
 /// How many lobes a surface may have.
 const MOST: usize = 6;
 

@@ -113,6 +113,7 @@ pub fn compile(
         instances: placed.instances,
         lights,
         sources: Sources::default(),
+        guide: None,
         ambient,
         background,
         fog,
@@ -131,6 +132,9 @@ pub fn compile(
     scene.around_camera = immersion::around_camera(&scene);
     if scene.settings.integrator == Integrator::Path {
         scene.sources = Sources::new(&scene);
+        if scene.settings.caustics > 0 {
+            scene.guide = crate::integrator::path::photons::guide(&scene, scene.settings.caustics);
+        }
     }
     Ok((scene, Vec::new()))
 }

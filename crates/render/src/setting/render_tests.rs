@@ -131,6 +131,7 @@ fn settings_survive_being_written_and_read() {
             min_contribution: 0.0,
             light_sampling: LightSampling::Surfaces,
             clamp: 2.5,
+            caustics: 5000,
             shadows: Shadows::Tinted,
             seed: 1 << 52,
             ..with(&[("antialias", text(mode))]).unwrap()

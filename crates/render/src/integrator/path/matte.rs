@@ -106,6 +106,7 @@ impl Matte {
 pub(super) fn in_lanes(scene: &Scene) -> bool {
     let insides = &scene.insides;
     let clear = !insides.borders && !insides.scatter && scene.fog.is_none();
+    let clear = clear && scene.guide.is_none();
     clear && scene.settings.antialias != Antialias::Jitter && !scene.sources.can_be_passed()
 }
 

@@ -14,6 +14,7 @@
 
 mod matte;
 mod phase;
+pub(crate) mod photons;
 mod tell;
 mod vertex;
 mod volume;
@@ -51,6 +52,8 @@ pub struct Paths<'a, 'r, R: Recorder> {
     radiances: Vec<Radiance>,
     /// Whether matte points are taken sixteen at a time.
     in_lanes: bool,
+    /// Where these paths are photons: those that have come.
+    photons: Option<photons::Photons>,
 }
 
 /// A path that goes on: what is known of it but for its ray.
@@ -74,8 +77,32 @@ struct Path<I> {
     borders: u32,
     /// In micrometres, once it has met what bends each wavelength by its own angle; before, 0 for all together.
     wavelength: f64,
+    /// The wavelength that a guide expects where it has sent the path; 0 for none.
+    hint: f64,
     stream: Stream,
     trail: Trail,
+}
+
+impl<I> Path<I> {
+    /// One that begins.
+    fn new(sample: u32, id: I, inside: Inside, stream: Stream) -> Self {
+        Self {
+            sample,
+            id,
+            throughput: Spectrum::ONE,
+            density: f64::INFINITY,
+            normal: None,
+            squeezed: 1.0,
+            inside,
+            depth: 0,
+            walked: 0.0,
+            borders: 0,
+            wavelength: 0.0,
+            hint: 0.0,
+            stream,
+            trail: Trail::default(),
+        }
+    }
 }
 
 /// What a source adds to a sample if nothing is between.
@@ -122,7 +149,7 @@ impl<'a, 'r, R: Recorder> Paths<'a, 'r, R> {
     pub fn new(scene: &'a Scene, counts: &'r mut RayCounts, recorder: &'r mut R) -> Self {
         let media = Media::new(scene.surroundings.ior);
         let in_lanes = matte::in_lanes(scene) && !R::ENABLED;
-        Self { scene, counts, recorder, media, radiances: Vec::new(), in_lanes }
+        Self { scene, counts, recorder, media, radiances: Vec::new(), in_lanes, photons: None }
     }
 
     /// The radiance that each camera's ray brings, and what it met first; nothing if cancelled meanwhile.
@@ -171,21 +198,7 @@ impl<'a, 'r, R: Recorder> Paths<'a, 'r, R> {
         self.counts.camera += 1;
         let id = self.recorder.begin(None, RayKind::Camera, &ray);
         round.now.rays.push(&Query::new(ray, f64::INFINITY, None, Contacts::CROSSED));
-        round.now.paths.push(Path {
-            sample,
-            id,
-            throughput: Spectrum::ONE,
-            density: f64::INFINITY,
-            normal: None,
-            squeezed: 1.0,
-            inside,
-            depth: 0,
-            walked: 0.0,
-            borders: 0,
-            wavelength: 0.0,
-            stream,
-            trail: Trail::default(),
-        });
+        round.now.paths.push(Path::new(sample, id, inside, stream));
     }
 
     /// Takes every path one surface further; those that go on are kept.

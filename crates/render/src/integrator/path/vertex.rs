@@ -10,6 +10,7 @@ use super::tell::{Told, What};
 use super::volume::Way;
 use super::{Path, Paths, Round, Task, Wave};
 use crate::bsdf::{self, Bsdf, BsdfSample};
+use crate::guide::{self, Aim};
 use crate::integrator::media::{Medium, Sides};
 use crate::integrator::point::Point;
 use crate::integrator::record::record;
@@ -198,6 +199,9 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
                 // No question comes through what seems to be there.
                 path.density = f64::INFINITY;
                 round.go_on(Self::go_on(&path, &vertex.point, vertex.sides.far))
+            } else if self.photons.is_some() && !vertex.bsdf.is_sharp() {
+                self.keep_photon(&path, query, vertex.point.surface.point);
+                false
             } else if last {
                 self.recorder.note(path.id, "ended", || json!("at the limit of bounces"));
                 false
@@ -345,7 +349,8 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
         if !bends || scene.interior(point.hit.id).dispersion.is_none() {
             return;
         }
-        let (wavelength, weight) = wavelength::pick(path.throughput, path.stream.next_1d());
+        let (wavelength, weight) =
+            wavelength::pick(path.throughput, path.hint, path.stream.next_1d());
         path.wavelength = wavelength;
         path.throughput *= weight;
         // What the camera is in was entered without one.
@@ -361,14 +366,20 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
         let scene = self.scene;
         let mut stream = path.stream;
         let [pick_source, pick_lobe] = stream.next_2d();
+        let mut aim = None;
         if vertex.bsdf.is_sharp() {
             stream.skip();
         } else {
+            aim = scene.guide.as_ref().and_then(|g| g.aim(vertex.point.surface.point));
             let u = stream.next_2d();
-            self.ask_source(path, vertex, pick_source, u, round);
+            self.ask_source(path, vertex, aim.as_ref(), pick_source, u, round);
         }
         let u = stream.next_2d();
-        let sampled = vertex.bsdf.sample(vertex.wo, pick_lobe, u);
+        let mut hint = if vertex.bsdf.is_sharp() { path.hint } else { 0.0 };
+        let sampled = match &aim {
+            Some(aim) => vertex.sample_guided(aim, pick_lobe, u, &mut hint),
+            None => vertex.bsdf.sample(vertex.wo, pick_lobe, u),
+        };
         let outgoing = sampled.and_then(|sample| Some((sample, vertex.outgoing(&sample)?)));
         let Some((sample, (through, direction))) = outgoing.filter(|(sample, _)| {
             let throughput = path.throughput * sample.weight;
@@ -387,6 +398,7 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
             depth: path.depth + 1,
             trail: path.trail.then(sharp),
             walked: 0.0,
+            hint,
             ..*path
         };
         let leg = if through {
@@ -430,6 +442,7 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
         &mut self,
         path: &Path<R::Id>,
         vertex: &Vertex,
+        aim: Option<&Aim>,
         pick: f64,
         u: [f64; 2],
         round: &mut Round<R::Id>,
@@ -449,6 +462,10 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
         if scattered == Spectrum::ZERO {
             return;
         }
+        let density = match aim {
+            Some(aim) => guided(aim.density(source.direction), density),
+            None => density,
+        };
         let weight = share_of_question(scene.settings.light_sampling, source.pdf, density);
         if weight == 0.0 {
             return;
@@ -478,7 +495,41 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
     }
 }
 
+/// The density of directions that a guide and the surface find together.
+fn guided(guide: f64, own: f64) -> f64 {
+    guide::SHARE * guide + (1.0 - guide::SHARE) * own
+}
+
 impl Vertex<'_, '_> {
+    /// A direction from a guide or from the surface itself, counted by both. A guide may say which wavelength to expect.
+    fn sample_guided(
+        &self,
+        aim: &Aim,
+        pick: f64,
+        u: [f64; 2],
+        hint: &mut f64,
+    ) -> Option<BsdfSample> {
+        let (wi, scattered, guide, own);
+        if pick < guide::SHARE {
+            let (direction, wavelength) = aim.sample(pick / guide::SHARE, u)?;
+            *hint = wavelength;
+            wi = self.frame.to_local(direction);
+            (scattered, own) = self.bsdf.eval_pdf(self.wo, wi);
+            guide = aim.density(direction);
+        } else {
+            let pick = (pick - guide::SHARE) / (1.0 - guide::SHARE);
+            let sample = self.bsdf.sample(self.wo, pick.min(1.0 - f64::EPSILON), u)?;
+            if sample.is_sharp() {
+                return Some(BsdfSample { weight: sample.weight / (1.0 - guide::SHARE), ..sample });
+            }
+            (wi, scattered, own) = (sample.wi, sample.weight * sample.pdf, sample.pdf);
+            guide = aim.density(self.frame.to_world(wi));
+        }
+        let pdf = guided(guide, own);
+        let usable = pdf > 0.0 && pdf < f64::INFINITY && scattered != Spectrum::ZERO;
+        usable.then(|| BsdfSample { wi, weight: scattered / pdf, pdf })
+    }
+
     /// Whether a sample goes through the surface, and its direction; nothing where a bent normal sends it to the
     /// wrong side. Sharp ones are turned at the true surface instead.
     fn outgoing(&self, sample: &BsdfSample) -> Option<(bool, DVec3)> {

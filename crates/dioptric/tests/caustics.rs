@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Guides for gathered light: they change no mean, and take noise away.
+
+mod support;
+
+use dioptric::math::Spectrum;
+use dioptric::render::{Control, Region, render};
+use rayon::ThreadPoolBuilder;
+use support::scene;
+
+/// All pixels of a picture.
+fn pixels(text: &str, threads: usize) -> Vec<Spectrum> {
+    let scene = scene(text);
+    let [width, height] = scene.settings.size;
+    let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    let whole = Region::crop([width, height], [0, 0, width, height]).unwrap();
+    let film = render(&scene, whole, &pool, &Control::default()).unwrap();
+    film.pixels().iter().map(|p| p.linear()).collect()
+}
+
+/// Mean, its standard error, and the root mean square of the pixels' differences from the mean.
+fn figures(pixels: &[Spectrum]) -> (f64, f64, f64) {
+    let n = pixels.len() as f64;
+    let mean = pixels.iter().map(|p| p.y).sum::<f64>() / n;
+    let square = pixels.iter().map(|p| (p.y - mean) * (p.y - mean)).sum::<f64>() / n;
+    (mean, (square / n).sqrt(), square.sqrt())
+}
+
+/// A spot of a floor where a ball of glass gathers the light of a lamp, and nothing else comes: it is nearly of one brightness.
+fn gathered(lamp: f64, glass: &str, samples: u32, photons: u32) -> String {
+    format!(
+        "version(1)\nscene(colors = \"raw\")\n\
+         render(size = (16, 16), integrator = \"path\", antialias = \"jitter\", samples = {samples}, caustics = {photons}, bounces = 4)\n\
+         orthographic(eye = (3, 1, 0), look_at = (0, 0, 0), up = (0, 1, 0), height = 0.02)\n\
+         plane(point = (0, 0, 0), material = matte(0.5))\n\
+         sphere(center = (0, 1.6, 0), radius = 0.5, material = {glass})\n\
+         sphere(center = (0, 8, 0), radius = {lamp}, material = glow({}))",
+        1.0 / (lamp * lamp)
+    )
+}
+
+#[test]
+fn guides_change_no_mean_and_take_noise_away() {
+    for glass in ["glass(ior = 1.5)", "glass(ior = 1.5, dispersion = 15)"] {
+        let plain = figures(&pixels(&gathered(0.5, glass, 256, 0), 2));
+        let guided = figures(&pixels(&gathered(0.5, glass, 64, 20_000), 2));
+        let error = (plain.1 * plain.1 + guided.1 * guided.1).sqrt();
+        assert!((plain.0 - guided.0).abs() < 4.0 * error, "{plain:?} {guided:?}");
+        // The smaller the lamp, the less often chance finds it.
+        let plain = figures(&pixels(&gathered(0.1, glass, 64, 0), 2));
+        let guided = figures(&pixels(&gathered(0.1, glass, 64, 20_000), 2));
+        assert!(guided.2 < 0.5 * plain.2, "{plain:?} {guided:?}");
+    }
+}
+
+/// What is gathered may come by way of mirrors, of the sky, of lamps that are no objects; and from nowhere.
+#[test]
+fn all_kinds_of_things_and_lights_are_found() {
+    let settings = |samples: u32, photons: u32| {
+        format!(
+            "version(1)\nscene(colors = \"raw\")\nrender(size = (16, 16), integrator = \"path\", samples = {samples}, caustics = {photons})\n\
+             camera(eye = (0, 2, 4), look_at = (0, 0.3, 0), fov = 40)\nplane(point = (0, 0, 0), material = plastic(0.5))\n"
+        )
+    };
+    for things in [
+        "background(1)\nsphere((0, 0.6, 0), 0.5, material = mirror(0.9))",
+        "light((2, 4, 0), radius = 0.5, intensity = 1)\nbox((-0.5, 0.1, -0.5), (0.5, 1, 0.5), material = mirror(0.9))",
+        "light((2, 4, 0), radius = 0.5, intensity = 1)\nsphere((0, 0.6, 0), 0.5, material = clear(own = 0.1, ior = 1.3))",
+        "light((2, 4, 0))\nsphere((0, 0.6, 0), 0.5, material = glass())",
+        "sphere((0, 0.6, 0), 0.5, material = glass())",
+        "background(1)\nsphere((0, 0.6, 0), 0.5)",
+        "background(0.5)\nlight((2, 4, 0), radius = 0.5)\ndifference(box((-0.5, 0, -0.5), (0.5, 0.7, 0.5)), minus = [sphere((0, 0.9, 0), 0.5)], material = glass())\n\
+         box((-9, -1, -9), (9, 9, 9), material = volume(scattering = 0.05))",
+    ] {
+        let plain = figures(&pixels(&format!("{}{things}", settings(256, 0)), 2));
+        let guided = figures(&pixels(&format!("{}{things}", settings(256, 5000)), 2));
+        let off = (plain.0 - guided.0).abs();
+        assert!(off < 0.015 * plain.0 + 1e-12, "{things}: {plain:?} {guided:?}");
+    }
+}
+
+/// The same bytes for any number of threads.
+#[test]
+fn guides_are_the_same_each_time() {
+    let text = gathered(0.2, "glass(ior = 1.5, dispersion = 20)", 16, 3000);
+    let one = pixels(&text, 1);
+    assert!(one == pixels(&text, 2) && one == pixels(&text, 7));
+}
