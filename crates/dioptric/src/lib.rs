@@ -17,6 +17,7 @@
 mod builder;
 
 pub use builder::{BuildError, SceneBuilder};
+pub use dioptric_denoise as denoise;
 pub use dioptric_formats as formats;
 pub use dioptric_geometry as geometry;
 pub use dioptric_image as image;

@@ -4,13 +4,17 @@
 use std::path::Path;
 
 use dioptric::formats::ParamInfo;
-use dioptric::image::{Depth, Develop, EncodeOptions, FileFormat, Layers, draw_grid, encode};
+use dioptric::image::{
+    Depth, Develop, EncodeOptions, FileFormat, ImageError, Layers, draw_grid, encode,
+};
 use dioptric::render::Film;
 use dioptric::render::region::Region;
 use dioptric::render::setting::develop;
 use dioptric::scene::{Description, Value as SceneValue};
+use rayon::ThreadPool;
 use serde_json::{Value, json};
 
+use super::denoise::{DenoiseOptions, Ready};
 use super::failure::Failure;
 
 /// How a picture is written.
@@ -28,6 +32,8 @@ pub struct FileOptions {
     /// Writes depth, normal, albedo, object and samples as further layers; needs .exr.
     #[arg(long)]
     pub layers: bool,
+    #[command(flatten)]
+    pub denoise: DenoiseOptions,
 }
 
 impl FileOptions {
@@ -52,39 +58,40 @@ impl FileOptions {
         Ok(format)
     }
 
-    /// The bytes of the picture's file; with `grid` coordinates are drawn over it.
+    /// Whether what the camera rays hit first is needed.
+    pub const fn needs_layers(&self) -> bool {
+        self.layers || self.denoise.denoise.is_some()
+    }
+
+    /// The bytes of the picture's file, without its noise where there is a denoiser; with `grid` coordinates are drawn
+    /// over it.
     ///
     /// # Errors
-    /// The format cannot hold it.
+    /// The format cannot hold it; the denoiser fails.
     pub fn encode(
         &self,
         film: &Film,
         labels: &Labels,
         unfinished: Option<String>,
-        format: FileFormat,
-        grid: bool,
-    ) -> Result<Vec<u8>, dioptric::image::ImageError> {
-        // An unfinished picture is transparent where there is nothing yet.
-        let mut layers = film.to_layers(unfinished.is_some())?;
-        self.encode_layers(&mut layers, film.region(), labels, unfinished, format, grid)
-    }
-
-    /// The same of a picture that was changed since.
-    ///
-    /// # Errors
-    /// The format cannot hold it.
-    pub fn encode_layers(
-        &self,
-        layers: &mut Layers,
-        region: Region,
-        labels: &Labels,
-        unfinished: Option<String>,
-        format: FileFormat,
-        grid: bool,
-    ) -> Result<Vec<u8>, dioptric::image::ImageError> {
+        (format, grid): (FileFormat, bool),
+        (denoiser, pool): (Option<&Ready>, &ThreadPool),
+        name: &str,
+    ) -> Result<Vec<u8>, Failure> {
+        let wrong = |e: ImageError| Failure::image(name, &e);
+        // An unfinished picture is transparent where there is nothing yet, and has no noise to be judged.
+        let mut layers = film.to_layers(unfinished.is_some()).map_err(wrong)?;
+        if let Some(denoiser) = denoiser.filter(|_| unfinished.is_none()) {
+            denoiser.apply(&mut layers, pool)?;
+        }
+        if !self.layers {
+            let metadata = std::mem::take(&mut layers.metadata);
+            layers = Layers::from(layers.picture);
+            layers.metadata = metadata;
+        }
+        let Region { x, y, .. } = film.region();
         if grid {
             layers.picture = labels.develop.picture(&layers.picture);
-            draw_grid(&mut layers.picture, region.x, region.y, 0);
+            draw_grid(&mut layers.picture, x, y, 0);
         }
         let text = &mut layers.metadata;
         text.set("Software", format!("dioptric {}", dioptric::VERSION));
@@ -101,7 +108,7 @@ impl FileOptions {
         }
         let depth = if self.bits == "16" { Depth::Sixteen } else { Depth::Eight };
         let options = EncodeOptions { develop: labels.develop, depth, quality: self.quality };
-        encode(layers, format, &options)
+        encode(&layers, format, &options).map_err(wrong)
     }
 }
 

@@ -10,6 +10,7 @@ use super::encode::{FileOptions, Labels};
 use super::failure::Failure;
 use super::long::{Kept, Samples, replace, shown};
 use super::output::Output;
+use super::picture_options;
 use super::terminal::note;
 
 /// Puts parts of a picture together that render --checkpoint has made: the bytes of a render in one go.
@@ -76,6 +77,7 @@ pub fn run(args: &MergeArgs) -> Result<(), Failure> {
         replace(Path::new(file), |out| parts::write(&merged, None, &text, out))
             .map_err(|e| Failure::output(file, &e))?;
     }
+    let denoiser = args.file.denoise.ready()?;
     let Some((output, format)) = output else { return Ok(()) };
     let labels = Labels::from_json(&identity.0["picture"]);
     let samples = identity.0["render"]["samples"].as_f64();
@@ -99,7 +101,7 @@ pub fn run(args: &MergeArgs) -> Result<(), Failure> {
         );
         return Err(Failure::File { message, help });
     }
-    if args.file.layers && !merged.has_layers() {
+    if args.file.needs_layers() && !merged.has_layers() {
         return Err(Failure::File {
             message: format!("{first} has no layers"),
             help: "render the parts with --layers, too".into(),
@@ -107,8 +109,10 @@ pub fn run(args: &MergeArgs) -> Result<(), Failure> {
     }
     let scene = |e| Failure::Scene(vec![e], Default::default());
     let film = merged.film(&wanted).map_err(scene)?;
-    let wrong = |e| Failure::image(&output.to_string(), &e);
-    output.write(&args.file.encode(&film, &labels, None, format, false).map_err(wrong)?)?;
+    let pool = picture_options::pool(None)?;
+    let cleaning = (denoiser.as_ref(), &pool);
+    let name = output.to_string();
+    output.write(&args.file.encode(&film, &labels, None, (format, false), cleaning, &name)?)?;
     if !args.quiet && !output.is_stdout() {
         note(&format!("{output}: {samples} samples from {} parts\n", args.parts.len()));
     }

@@ -4,6 +4,7 @@
 
 mod compare;
 mod convert;
+mod denoise;
 mod encode;
 mod failure;
 mod frames;

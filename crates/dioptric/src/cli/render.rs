@@ -85,6 +85,7 @@ pub fn run(args: &RenderArgs, terminal: &Terminal) -> Result<(), Failure> {
     };
     let tasks = args.tasks()?;
     let stats_file = args.stats.as_deref().map(Output::new).transpose()?;
+    let denoiser = args.file.denoise.ready()?;
     let pool = args.picture.pool()?;
     let mut all_stats = Vec::new();
     let mut stopped = false;
@@ -126,7 +127,7 @@ pub fn run(args: &RenderArgs, terminal: &Terminal) -> Result<(), Failure> {
                 scene: &scene,
                 region,
                 most: args.picture.max_samples,
-                layers: args.file.layers,
+                layers: args.file.needs_layers(),
                 pool: &pool,
                 bar: &bar,
                 interrupt: &interrupt,
@@ -142,7 +143,7 @@ pub fn run(args: &RenderArgs, terminal: &Terminal) -> Result<(), Failure> {
         } else {
             let show = |progress: &dioptric::render::job::Progress| bar.update(progress);
             let control = Control {
-                layers: args.file.layers,
+                layers: args.file.needs_layers(),
                 cancel: interrupt.flag.clone(),
                 on_progress: Some(&show),
             };
@@ -163,8 +164,10 @@ pub fn run(args: &RenderArgs, terminal: &Terminal) -> Result<(), Failure> {
         };
         if let Some(output) = &task.output {
             let unfinished = (!film.finished()).then(|| done(&film, &scene));
-            let bytes = args.file.encode(&film, &labels, unfinished, format, args.grid);
-            output.write(&bytes.map_err(|e| Failure::image(&name, &e))?)?;
+            let kind = (format, args.grid);
+            let cleaning = (denoiser.as_ref(), &pool);
+            let bytes = args.file.encode(&film, &labels, unfinished, kind, cleaning, &name);
+            output.write(&bytes?)?;
         }
         if let Some(output) = &task.sample_map {
             output.write(&sample_map(&film, output)?)?;
@@ -266,7 +269,7 @@ impl RenderArgs {
         let samples = self.long.wanted(&scene.settings)?;
         let animated = self.frames.is_some();
         let (mut part, keeper) =
-            self.long.open(identity, task.frame, animated, region, self.file.layers)?;
+            self.long.open(identity, task.frame, animated, region, self.file.needs_layers())?;
         let watch = |progress: &parts::Progress<'_>| {
             keeper.watch(progress);
             bar.update_part(progress);

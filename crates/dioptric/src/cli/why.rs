@@ -74,6 +74,10 @@ struct UnusedOptions {
     resume: bool,
     #[arg(long, hide = true)]
     sample_range: Option<String>,
+    #[arg(long, hide = true, num_args = 0..=1, require_equals = true)]
+    denoise: Option<Option<String>>,
+    #[arg(long, hide = true)]
+    oidn: Option<String>,
     #[arg(long, hide = true)]
     noise: Option<String>,
     #[arg(long, hide = true)]

@@ -7,6 +7,7 @@ mod animation;
 mod commands;
 mod corpus;
 mod degenerate;
+mod denoise;
 mod determinism;
 mod interruption;
 mod long;
