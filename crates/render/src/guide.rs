@@ -236,29 +236,24 @@ mod tests {
         let guide = Guide::new(&photons(500)).unwrap();
         for point in [DVec3::ZERO, DVec3::new(0.31, 0.01, -0.2)] {
             let aim = guide.aim(point).unwrap();
-            // Of directions by their density, a function over it has its integral: all directions', of 1 / 4 pi, 1.
-            // The mean of (1 / density) over those near the lens is the solid angle of what is near it.
-            let n = 200_000;
-            let (mut sum, mut other) = (0.0, 0.0);
-            let seen = |d: DVec3| {
-                let p = point + d * ((1.0 - point.y) / d.y);
-                d.y > 0.0 && (p - DVec3::Y).length() < 0.1
-            };
+            // The mean of (1 / density) over the directions found within a small disc, where most light comes from as
+            // seen from here, is the disc's solid angle.
+            let middle = point * 0.3 + DVec3::Y * (1.0 - 0.3 * point.y);
+            let (n, radius) = (200_000, 0.04);
+            let mut sum = 0.0;
             for i in 0..n {
                 let u = [unit(mix(5 * i)), unit(mix(5 * i + 1))];
                 let (d, _) = aim.sample(unit(mix(5 * i + 2)), u).unwrap();
                 assert!((d.length() - 1.0).abs() < 1e-9);
-                if seen(d) {
-                    sum += 1.0 / aim.density(d).max(1e-3);
-                }
-                // Even over the upper half.
-                let (a, b) = sin_cos(2.0 * PI * u[1]);
-                let s = (1.0 - u[0] * u[0]).sqrt();
-                if seen(DVec3::new(s * a, u[0], s * b)) {
-                    other += 2.0 * PI;
+                let met = point + d * ((1.0 - point.y) / d.y);
+                if d.y > 0.0 && (met - middle).length() < radius {
+                    sum += 1.0 / aim.density(d);
                 }
             }
-            assert!((sum / other - 1.0).abs() < 0.05, "{} {}", sum / n as f64, other / n as f64);
+            let way = middle - point;
+            let angle = PI * radius * radius * way.y / (way.length() * way.length_squared());
+            let found = sum / n as f64;
+            assert!((found / angle - 1.0).abs() < 0.03, "{found} {angle}");
         }
     }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Points of matte surfaces, sixteen at a time: the same steps, to the same bits, as [`super::vertex`] takes with each
+//! Points of matte surfaces, sixteen at a time: the same steps, to the same bits, as [`super::scatter`] takes with each
 //! point by itself, in plain loops over arrays. Most points of most scenes are matte.
 
 use std::f64::consts::FRAC_1_PI;
@@ -8,7 +8,7 @@ use dioptric_geometry::world::{Bundle, Found, Hit, Leave, Sixteen};
 use dioptric_math::wide::{Kernel, wide};
 use dioptric_math::{DVec3, Spectrum, orthonormal_basis};
 
-use super::vertex::{MOST, SURE, WORTH, share};
+use super::weights::{MOST, SURE, WORTH, share};
 use super::{Path, Paths, Round, Wave};
 use crate::bsdf::{cosine_pdf, raised_disc};
 use crate::integrator::lit::{Vectors, get, put};

@@ -15,9 +15,11 @@
 mod matte;
 mod phase;
 pub(crate) mod photons;
+mod scatter;
 mod tell;
 mod vertex;
 mod volume;
+mod weights;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 

@@ -15,7 +15,7 @@ use serde_json::json;
 
 use super::phase::Phase;
 use super::tell::{Told, What};
-use super::vertex::{carries_on, share_of_question};
+use super::weights::{carries_on, share_of_question};
 use super::{Path, Paths, Round, Task};
 use crate::integrator::media::{Inside, Medium, absorbed};
 use crate::integrator::point::Point;
