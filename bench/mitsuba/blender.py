@@ -27,10 +27,10 @@ def node(tree, kind, **values):
 
 
 def texture(tree, rows):
-    """A picture of single colours, its first row at the top."""
+    """A picture of single colours, its first row at v = 0, as Mitsuba takes it."""
     height, width = len(rows), len(rows[0])
     image = bpy.data.images.new("texture", width, height, float_buffer=True, is_data=True)
-    image.pixels = [c for row in reversed(rows) for color in row for c in (*color, 1.0)]
+    image.pixels = [c for row in rows for color in row for c in (*color, 1.0)]
     made = node(tree, "ShaderNodeTexImage")
     made.image, made.interpolation = image, "Closest"
     return made.outputs["Color"]
