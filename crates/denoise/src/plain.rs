@@ -265,6 +265,14 @@ mod tests {
         exact: Vec<[f32; 3]>,
         albedo: Vec<[f32; 3]>,
         normal: Vec<[f32; 3]>,
+        depth: Vec<f32>,
+    }
+
+    impl Made {
+        fn picture(&self) -> Picture<'_> {
+            let Self { color, albedo, normal, depth, .. } = self;
+            Picture { width: 50, height: 40, color, albedo, normal, depth }
+        }
     }
 
     /// A wall with stripes and a floor, lit evenly, with noise.
@@ -279,6 +287,7 @@ mod tests {
                 made.exact.push([own * light; 3]);
                 made.color.push([own * (light + 0.6 * noise); 3]);
                 made.normal.push(if y < 20 { [0.0, 0.0, 1.0] } else { [0.0, 1.0, 0.0] });
+                made.depth.push(5.0);
             }
         }
         made
@@ -291,20 +300,11 @@ mod tests {
 
     #[test]
     fn noise_falls_and_edges_stay() {
-        let Made { color, exact, albedo, normal } = noisy();
-        let depth = vec![5.0; color.len()];
-        let (width, height) = (50, 40);
-        let picture = Picture {
-            width,
-            height,
-            color: &color,
-            albedo: &albedo,
-            normal: &normal,
-            depth: &depth,
-        };
+        let made = noisy();
+        let picture = made.picture();
         let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
         let result = one.install(|| denoise(&picture));
-        let (before, after) = (rmse(&color, &exact), rmse(&result, &exact));
+        let (before, after) = (rmse(&made.color, &made.exact), rmse(&result, &made.exact));
         println!("{before:.4} to {after:.4}");
         assert!(after < 0.15 * before);
         for threads in [2, 7] {
@@ -315,23 +315,13 @@ mod tests {
 
     #[test]
     fn what_is_no_number_does_not_spread() {
-        let Made { mut color, exact, albedo, normal } = noisy();
-        color[1020] = [f32::NAN, f32::INFINITY, -1.0];
+        let mut made = noisy();
+        made.color[1020] = [f32::NAN, f32::INFINITY, -1.0];
         // And a speck.
-        color[640] = [300.0; 3];
-        let mut depth = vec![5.0; color.len()];
-        depth[1022] = f32::INFINITY;
-        let (width, height) = (50, 40);
-        let picture = Picture {
-            width,
-            height,
-            color: &color,
-            albedo: &albedo,
-            normal: &normal,
-            depth: &depth,
-        };
-        let result = denoise(&picture);
+        made.color[640] = [300.0; 3];
+        made.depth[1022] = f32::INFINITY;
+        let result = denoise(&made.picture());
         assert!(result.iter().flatten().all(|c| c.is_finite()));
-        assert!(rmse(&result, &exact) < 0.3);
+        assert!(rmse(&result, &made.exact) < 0.3);
     }
 }

@@ -4,17 +4,11 @@
 mod support;
 
 use dioptric::math::Spectrum;
-use dioptric::render::{Control, Region, render};
-use rayon::ThreadPoolBuilder;
-use support::scene;
+use support::{film, scene};
 
 /// All pixels of a picture.
 fn pixels(text: &str, threads: usize) -> Vec<Spectrum> {
-    let scene = scene(text);
-    let [width, height] = scene.settings.size;
-    let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-    let whole = Region::crop([width, height], [0, 0, width, height]).unwrap();
-    let film = render(&scene, whole, &pool, &Control::default()).unwrap();
+    let film = film(&scene(text), threads);
     film.pixels().iter().map(|p| p.linear()).collect()
 }
 

@@ -5,20 +5,7 @@
 
 mod support;
 
-use dioptric::render::{Control, Region, render};
-use rayon::ThreadPoolBuilder;
-use support::{assert_near, scene};
-
-/// The mean over a small picture.
-fn mean(text: &str) -> [f64; 3] {
-    let scene = scene(text);
-    let [width, height] = scene.settings.size;
-    let pool = ThreadPoolBuilder::new().num_threads(2).build().unwrap();
-    let whole = Region::crop([width, height], [0, 0, width, height]).unwrap();
-    let film = render(&scene, whole, &pool, &Control::default()).unwrap();
-    let pixels: Vec<[f64; 3]> = film.pixels().iter().map(|p| p.linear().to_array()).collect();
-    [0, 1, 2].map(|i| pixels.iter().map(|p| p[i]).sum::<f64>() / pixels.len() as f64)
-}
+use support::{assert_near, mean};
 
 const SETTINGS: &str = "version(1)\nscene(colors = \"raw\")\n\
     render(size = (8, 8), integrator = \"path\", samples = 1024, bounces = 1000)\n";
@@ -76,7 +63,7 @@ fn each_wavelength_goes_where_snell_sends_it() {
             }
         }
         let expected = [0, 1, 2].map(|i| sum[i] / whole[i]);
-        let got = mean(&text);
+        let got = mean(&text).0;
         assert_near(got, expected, 0.004);
         assert!(got[0] > got[2] || border > 600.0, "{got:?}");
     }
@@ -92,7 +79,7 @@ fn dispersion_is_not_seen_in_a_white_space() {
                 "{SETTINGS}{camera}\nbackground(1)\nsphere(center = (0, 0, 0), radius = 1, material = {glass})"
             );
             // From within, light comes in greater by the square of the index: by about 6, or by 3.
-            let got = mean(&text);
+            let got = mean(&text).0;
             if camera.contains("0.2") {
                 assert!(got.iter().all(|&x| x > 2.9), "{got:?}");
                 let squares = if glass.contains("diamond") { 2.4175_f64 } else { 1.78472 };
@@ -112,11 +99,12 @@ fn plates_show_the_sky_behind_them_unchanged() {
     let text = |thing: &str| {
         format!("{SETTINGS}camera(eye = (0, 0, 5), look_at = (0, 1, 0), fov = 1)\n{sky}\n{thing}")
     };
-    let plain = mean(&text("sphere(center = (0, -99, 0), radius = 1)"));
+    let plain = mean(&text("sphere(center = (0, -99, 0), radius = 1)")).0;
     let plate = |more: &str| {
         mean(&text(&format!(
             "box(min = (-9, -9, -1), max = (9, 9, 1), material = glass(ior = 1.5{more}))"
         )))
+        .0
     };
     let (grey, colourful) = (plate(""), plate(", dispersion = 20"));
     assert!(plain[0] > 0.0);

@@ -7,34 +7,7 @@ mod support;
 
 use std::f64::consts::PI;
 
-use dioptric::render::{Control, Region, render};
-use rayon::ThreadPoolBuilder;
-use support::{assert_near, pixel, scene};
-
-/// Mean and standard error of the mean over all samples of a small picture, a lane each. Pixels are means of many
-/// samples, so their spread tells the error.
-fn mean(text: &str) -> ([f64; 3], [f64; 3]) {
-    let scene = scene(text);
-    let [width, height] = scene.settings.size;
-    let pool = ThreadPoolBuilder::new().num_threads(2).build().unwrap();
-    let whole = Region::crop([width, height], [0, 0, width, height]).unwrap();
-    let film = render(&scene, whole, &pool, &Control::default()).unwrap();
-    let pixels: Vec<[f64; 3]> = film.pixels().iter().map(|p| p.linear().to_array()).collect();
-    let n = pixels.len() as f64;
-    let mean = [0, 1, 2].map(|i| pixels.iter().map(|p| p[i]).sum::<f64>() / n);
-    let error = [0, 1, 2].map(|i| {
-        let square: f64 = pixels.iter().map(|p| (p[i] - mean[i]) * (p[i] - mean[i])).sum();
-        (square / (n - 1.0) / n).sqrt()
-    });
-    (mean, error)
-}
-
-/// Settings of a picture of paths, colours as they are.
-fn paths(size: u32, samples: u32, more: &str) -> String {
-    format!(
-        "version(1)\nscene(colors = \"raw\")\nrender(size = ({size}, {size}), integrator = \"path\", samples = {samples}{more})\n"
-    )
-}
+use support::{assert_near, film, mean, paths, pixel, scene};
 
 const CAMERAS: [&str; 3] = [
     "camera(eye = (0.1, 0.2, 0.3), look_at = (1, 0.5, -1), fov = 70)\n",
@@ -254,9 +227,7 @@ fn points_side_by_side_are_points_one_by_one() {
         {
             let text = format!("{}{around}{room}{panel}", paths(12, 8, more));
             let scene = scene(&text);
-            let pool = ThreadPoolBuilder::new().num_threads(2).build().unwrap();
-            let whole = Region::crop([12, 12], [0, 0, 12, 12]).unwrap();
-            let film = render(&scene, whole, &pool, &Control::default()).unwrap();
+            let film = film(&scene, 2);
             for (own, place) in film.pixels().iter().zip(0..) {
                 let (x, y) = (place % 12, place / 12);
                 let alone = pixel(&scene, x, y);

@@ -8,32 +8,7 @@ mod support;
 use std::f64::consts::PI;
 
 use dioptric::math::random::{mix, unit};
-use dioptric::render::{Control, Region, render};
-use rayon::ThreadPoolBuilder;
-use support::{assert_near, pixel, scene};
-
-/// Mean and standard error of the mean over a small picture, a lane each.
-fn mean(text: &str) -> ([f64; 3], [f64; 3]) {
-    let scene = scene(text);
-    let [width, height] = scene.settings.size;
-    let pool = ThreadPoolBuilder::new().num_threads(2).build().unwrap();
-    let whole = Region::crop([width, height], [0, 0, width, height]).unwrap();
-    let film = render(&scene, whole, &pool, &Control::default()).unwrap();
-    let pixels: Vec<[f64; 3]> = film.pixels().iter().map(|p| p.linear().to_array()).collect();
-    let n = pixels.len() as f64;
-    let mean = [0, 1, 2].map(|i| pixels.iter().map(|p| p[i]).sum::<f64>() / n);
-    let error = [0, 1, 2].map(|i| {
-        let square: f64 = pixels.iter().map(|p| (p[i] - mean[i]) * (p[i] - mean[i])).sum();
-        (square / (n - 1.0) / n).sqrt()
-    });
-    (mean, error)
-}
-
-fn paths(size: u32, samples: u32, more: &str) -> String {
-    format!(
-        "version(1)\nscene(colors = \"raw\")\nrender(size = ({size}, {size}), integrator = \"path\", samples = {samples}{more})\n"
-    )
-}
+use support::{assert_near, mean, paths, pixel, scene};
 
 /// A camera that looks along one line.
 const LINE: &str = "orthographic(eye = (0, 0, 5), look_at = (0, 0, 0), height = 0.0001)\n";

@@ -11,7 +11,9 @@ use dioptric::render::compile::{Options, compile};
 use dioptric::render::integrator::recorder::{Node, RayKind};
 use dioptric::render::scene::Scene;
 use dioptric::render::why::{Pixel, explain};
+use dioptric::render::{Control, Film, Region, render};
 use dioptric::scene::loader::{FolderLoader, Loader, MemoryLoader};
+use rayon::ThreadPoolBuilder;
 
 /// The repository's root.
 pub fn root() -> PathBuf {
@@ -52,6 +54,33 @@ pub fn load_with(
     compile(&description, loader, options)
         .unwrap_or_else(|e| panic!("{}", report::render(&e, &description.sources, false)))
         .0
+}
+
+/// The whole picture, made by so many threads.
+pub fn film(scene: &Scene, threads: usize) -> Film {
+    let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    render(scene, Region::full(scene.settings.size), &pool, &Control::default()).unwrap()
+}
+
+/// Mean and standard error of the mean over all samples of a small picture, a lane each. Pixels are means of many
+/// samples, so their spread tells the error.
+pub fn mean(text: &str) -> ([f64; 3], [f64; 3]) {
+    let pixels: Vec<[f64; 3]> =
+        film(&scene(text), 2).pixels().iter().map(|p| p.linear().to_array()).collect();
+    let n = pixels.len() as f64;
+    let mean = [0, 1, 2].map(|i| pixels.iter().map(|p| p[i]).sum::<f64>() / n);
+    let error = [0, 1, 2].map(|i| {
+        let square: f64 = pixels.iter().map(|p| (p[i] - mean[i]) * (p[i] - mean[i])).sum();
+        (square / (n - 1.0) / n).sqrt()
+    });
+    (mean, error)
+}
+
+/// Settings of a picture of paths, colours as they are.
+pub fn paths(size: u32, samples: u32, more: &str) -> String {
+    format!(
+        "version(1)\nscene(colors = \"raw\")\nrender(size = ({size}, {size}), integrator = \"path\", samples = {samples}{more})\n"
+    )
 }
 
 /// All there is to know of a pixel.

@@ -131,23 +131,16 @@ pub(super) fn cases() -> Vec<Case> {
         // A tint is met on the way in only.
         tinted.push(add(name("tinted glass"), glass(alpha, 0.3), into(1.0 / 1.5)));
     }
-    let plain = Layers {
-        ior: 1.5,
-        specular: 1.0,
-        metallic: 0.0,
-        alpha: 0.0,
-        transmission: 0.0,
-        coat: 0.0,
-        coat_alpha: 0.0,
-        sheen: Spectrum::ZERO,
-        sheen_roughness: 0.3,
-    };
     let layered =
         |base: Spectrum, layers: Layers| Finish { base, optics: Optics::Layered(layers), ..black };
     for alpha in [0.0, WIDTHS[0], WIDTHS[2], WIDTHS[3]] {
         let name = |what: &str| format!("{what} {alpha}");
-        let rough =
-            Layers { alpha, coat_alpha: 0.5 * alpha, sheen_roughness: 0.25 + 0.7 * alpha, ..plain };
+        let rough = Layers {
+            alpha,
+            coat_alpha: 0.5 * alpha,
+            sheen_roughness: 0.25 + 0.7 * alpha,
+            ..Layers::PLAIN
+        };
         let (white, gold) = (Spectrum::ONE, Spectrum::new(1.0, 0.7, 0.3));
         let fuzz = Spectrum::new(1.0, 0.5, 0.2);
         // All of these send back what comes.

@@ -34,6 +34,20 @@ pub struct Layers {
 }
 
 impl Layers {
+    /// A dull surface with its own reflection, and nothing else: for tests.
+    #[cfg(test)]
+    pub const PLAIN: Self = Self {
+        ior: 1.5,
+        specular: 1.0,
+        metallic: 0.0,
+        alpha: 0.0,
+        transmission: 0.0,
+        coat: 0.0,
+        coat_alpha: 0.0,
+        sheen: Spectrum::ZERO,
+        sheen_roughness: 0.3,
+    };
+
     /// The share that lets light through.
     #[must_use]
     pub fn clear(&self) -> f64 {
@@ -90,17 +104,7 @@ impl Layers {
 mod tests {
     use super::*;
 
-    const PLAIN: Layers = Layers {
-        ior: 1.5,
-        specular: 1.0,
-        metallic: 0.0,
-        alpha: 0.0,
-        transmission: 0.0,
-        coat: 0.0,
-        coat_alpha: 0.0,
-        sheen: Spectrum::ZERO,
-        sheen_roughness: 0.3,
-    };
+    const PLAIN: Layers = Layers::PLAIN;
 
     #[test]
     fn shares_mirror_what_each_does() {
