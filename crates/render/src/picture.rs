@@ -10,6 +10,7 @@ use rayon::ThreadPool;
 use crate::film::{Film, Radiance};
 use crate::integrator::{
     self,
+    path::Paths,
     recorder::{Recorder, Silent},
     whitted::Whitted,
 };
@@ -81,8 +82,14 @@ impl Shoot for Camera<'_> {
         out: &mut Vec<Radiance>,
     ) {
         let scene = self.scene;
-        if scene.settings.integrator == Integrator::Whitted {
-            return Whitted::new(scene, counts, &mut Silent).shoot(shots, cancel, out);
+        match scene.settings.integrator {
+            Integrator::Whitted => {
+                return Whitted::new(scene, counts, &mut Silent).shoot(shots, cancel, out);
+            }
+            Integrator::Path => {
+                return Paths::new(scene, counts, &mut Silent).shoot(shots, cancel, out);
+            }
+            _ => {}
         }
         let rays = shots.iter().map(|shot| camera_ray(scene, &shot.sample, shot.stream));
         out.extend(integrator::radiances(scene, rays, counts, &mut Silent, cancel));

@@ -17,6 +17,7 @@ use crate::bump::perturbed_normal;
 use crate::camera::AnyCamera;
 use crate::guide::Guide;
 use crate::integrator::media::Medium;
+use crate::integrator::path::arrive::Plains;
 use crate::integrator::recorder::SourcePlace;
 use crate::light::AnyLight;
 use crate::material::{Dressed, Finish, Interior, Relief};
@@ -107,6 +108,8 @@ pub struct Scene {
     pub sources: Sources,
     /// Where glass and mirrors gather light, if paths are to know.
     pub guide: Option<Guide>,
+    /// What paths meet without looking at shapes and materials; empty for other integrators.
+    pub(crate) plains: Plains,
     /// Light that comes from everywhere.
     pub ambient: Spectrum,
     /// What is seen where nothing is hit.

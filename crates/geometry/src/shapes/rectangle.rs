@@ -7,6 +7,7 @@ use dioptric_scene::{Args, Category, Default, Diagnostic, Param, Schema, Type};
 
 use super::convex::{plane_root, root};
 use crate::bounds::Bounds;
+use crate::plain::Plain;
 use crate::ray::LocalRay;
 use crate::shape::{Crossing, Described, LocalSurface, Root, Shape, SurfacePoint};
 
@@ -90,6 +91,13 @@ impl Rectangle {
 }
 
 impl Rectangle {
+    /// Its numbers.
+    pub(crate) fn plain(&self) -> Plain {
+        let Self { corner: base, edge_u, edge_v, dual_u, dual_v, normal, error } = *self;
+        let (edges, duals) = ([edge_u, edge_v], [dual_u, dual_v]);
+        Plain { base, edges, duals, normal, radius: 0.0, error }
+    }
+
     /// A point and the normal of its plane, and the corners in turn.
     pub(crate) fn flat(&self) -> ((DVec3, DVec3), [DVec3; 4]) {
         let (c, u, v) = (self.corner, self.edge_u, self.edge_v);

@@ -10,6 +10,7 @@ use dioptric_scene::{Args, Category, Default, Diagnostic, Param, Schema, Type};
 use super::convex::{Chord, root};
 use super::frame::longitude;
 use crate::bounds::Bounds;
+use crate::plain::Plain;
 use crate::ray::LocalRay;
 use crate::shape::{Crossing, Described, LocalSurface, Root, Shape, SurfacePoint};
 
@@ -79,6 +80,13 @@ impl Sphere {
         let q = b + root.copysign(b);
         let (t0, t1) = if q == 0.0 { (0.0, 0.0) } else { (c / q, q / a) };
         Some(Chord { near: (t0.min(t1), 0), far: (t0.max(t1), 0) })
+    }
+
+    /// Its numbers.
+    pub(crate) fn plain(&self) -> Plain {
+        let (edges, duals) = ([DVec3::ZERO; 2], [DVec3::ZERO; 2]);
+        let (base, radius, error) = (self.center, self.radius, self.error());
+        Plain { base, edges, duals, normal: DVec3::ZERO, radius, error }
     }
 
     fn error(&self) -> f64 {

@@ -20,6 +20,7 @@ use dioptric_math::{DAffine3, DVec2, DVec3};
 use self::filter::Filter;
 use crate::bounds::Bounds;
 use crate::bvh::{BoxRay, Bvh, Lanes};
+use crate::plain::Plain;
 use crate::ray::HitId;
 use crate::shape::SurfacePoint;
 use crate::shapes::AnyShape;
@@ -187,6 +188,17 @@ impl World {
     #[must_use]
     pub fn shape(&self, object: u32) -> Option<&AnyShape> {
         self.object(object).map(|o| &o.shape)
+    }
+
+    /// The surface of an object outside of groups, if it is a rectangle or a ball that lies as it was described.
+    #[must_use]
+    pub fn plain(&self, object: u32) -> Option<Plain> {
+        let found = self.object(object).filter(|found| found.transform == NO_TRANSFORM)?;
+        match &found.shape {
+            AnyShape::Rectangle(shape) if !self.is_in_group(object) => Some(shape.plain()),
+            AnyShape::Sphere(shape) if !self.is_in_group(object) => Some(shape.plain()),
+            _ => None,
+        }
     }
 
     /// Whether an object belongs to a group, whose instances show it: no hit of it is without an instance.

@@ -12,6 +12,7 @@ use dioptric_scene::{Args, Category, Description, Diagnostic, NodeId, Value};
 
 use crate::build::Builder;
 use crate::camera::AnyCamera;
+use crate::integrator::path::arrive::Plains;
 use crate::light::AnyLight;
 use crate::light::directional::Directional;
 use crate::scene::{Insides, PlacedLight, Scene};
@@ -114,6 +115,7 @@ pub fn compile(
         lights,
         sources: Sources::default(),
         guide: None,
+        plains: Plains::default(),
         ambient,
         background,
         fog,
@@ -132,6 +134,7 @@ pub fn compile(
     scene.around_camera = immersion::around_camera(&scene);
     if scene.settings.integrator == Integrator::Path {
         scene.sources = Sources::new(&scene);
+        scene.plains = Plains::of(&scene);
         if scene.settings.caustics > 0 {
             scene.guide = crate::integrator::path::photons::guide(&scene, scene.settings.caustics);
         }

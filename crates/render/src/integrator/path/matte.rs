@@ -8,9 +8,11 @@ use dioptric_geometry::world::{Bundle, Found, Hit, Leave, Sixteen};
 use dioptric_math::wide::{Kernel, wide};
 use dioptric_math::{DVec3, Spectrum, orthonormal_basis};
 
+use super::arrive::{Arrivals, Arrive, Record, bits};
 use super::weights::{MOST, SURE, WORTH, share};
 use super::{Path, Paths, Round, Wave};
 use crate::bsdf::{cosine_pdf, raised_disc};
+use crate::film::FirstHit;
 use crate::integrator::lit::{Vectors, get, put};
 use crate::integrator::point::Point;
 use crate::integrator::recorder::Recorder;
@@ -26,8 +28,11 @@ const ZERO: Vectors = [[0.0; LANES]; 3];
 /// Up to sixteen points, with the paths that came there.
 pub(super) struct Matte {
     count: usize,
-    /// Which path of the wave came to each.
+    /// The places of the paths that came there, and of their rays in the wave.
+    slots: [u32; LANES],
     numbers: [u32; LANES],
+    /// Those whose points are still to be found.
+    arrivals: Arrivals,
     /// Whether some of them are inside of something.
     inside: bool,
     /// Rays towards sources. Those that go on start where they do.
@@ -55,7 +60,9 @@ impl Matte {
     pub fn new() -> Self {
         Self {
             count: 0,
+            slots: [0; LANES],
             numbers: [0; LANES],
+            arrivals: Arrivals::EMPTY,
             inside: false,
             rays: Bundle::EMPTY,
             looks: Looks::EMPTY,
@@ -76,22 +83,43 @@ impl Matte {
 
     /// Adds a point; whether there are sixteen now.
     #[inline(always)]
-    pub(super) fn push<P>(
-        &mut self,
-        number: usize,
-        path: &Path<P>,
-        throughput: Spectrum,
-        point: &Point,
-    ) -> bool {
+    pub(super) fn push<P>(&mut self, path: &Path<P>, throughput: Spectrum, point: &Point) -> bool {
         let lane = self.count % LANES;
-        self.numbers[lane] = number as u32;
         self.inside |= path.inside.is_some();
+        self.arrivals.skip(lane);
         put(&mut self.rays.origin, lane, point.surface.point);
         (self.rays.error[lane], self.rays.time[lane]) = (point.surface.error, point.ray.time);
         self.rays.leaves[lane] = Leave::back(point.hit.id, point.outside, point.arrived);
         put(&mut self.looks.normal, lane, point.normal);
         put(&mut self.geometric, lane, point.geometric());
         put(&mut self.albedo, lane, point.finish.diffuse);
+        self.add(lane, path, throughput)
+    }
+
+    /// Adds what a ray of a wave has met, if that is recorded; whether there are sixteen now.
+    #[inline(always)]
+    fn push_arrival<P>(
+        &mut self,
+        number: usize,
+        path: &Path<P>,
+        throughput: Spectrum,
+        bundle: &Bundle,
+        hit: &Hit,
+        record: &Record,
+    ) -> bool {
+        let lane = self.count % LANES;
+        self.numbers[lane] = number as u32;
+        self.arrivals.set(lane, bundle, number, hit, record);
+        self.rays.error[lane] = record.error;
+        self.rays.time[lane] = bundle.time[number % LANES];
+        put(&mut self.albedo, lane, record.diffuse);
+        self.add(lane, path, throughput)
+    }
+
+    /// The path of a point that has just been added.
+    #[inline(always)]
+    fn add<P>(&mut self, lane: usize, path: &Path<P>, throughput: Spectrum) -> bool {
+        self.slots[lane] = path.slot;
         put(&mut self.throughput, lane, throughput);
         self.squeezed[lane] = path.squeezed;
         self.unsure[lane] = if path.depth + 1 > SURE { 1.0 } else { 0.0 };
@@ -115,69 +143,116 @@ impl<R: Recorder> Paths<'_, '_, R> {
     #[inline(always)]
     pub(super) fn meet_matte(
         &mut self,
-        now: &Wave<R::Id>,
+        now: &Wave,
         number: usize,
         bundle: &Bundle,
-        hit: Option<Hit>,
         round: &mut Round<R::Id>,
     ) -> bool {
-        let (scene, path) = (self.scene, &now.paths[number]);
-        let (true, Some(hit)) = (self.in_lanes && path.inside.is_none(), hit) else { return false };
-        let material = &scene.materials[scene.material_index(hit.id)];
-        let (true, Some(finish)) = (material.matte, &material.uniform) else { return false };
-        if path.depth > scene.settings.bounces {
+        let (scene, path) = (self.scene, &round.paths[now.slots[number] as usize]);
+        let (found, lane) = (&round.found[number / LANES], number % LANES);
+        let last = path.depth > scene.settings.bounces;
+        if !self.in_lanes || path.inside.is_some() || last || found.hit >> lane & 1 == 0 {
             return false;
         }
-        let ray = bundle.ray(number);
-        let Some(surface) = scene.world.surface_point_inline(&ray, &hit) else { return false };
-        let shading = Shading { surface, finish: Answer::Same(finish) };
-        let departure = bundle.leaves[number % LANES].departure();
-        let point = Point::new(&ray, hit, shading, departure.as_ref());
-        let throughput = path.throughput * scene.surroundings.transmittance(hit.t);
-        if path.depth == 0 {
-            self.radiances[path.sample as usize].first = point.first_hit(scene);
-        }
-        if round.matte.push(number, path, throughput, &point) {
+        let hit = Hit { t: found.t[lane], id: found.ids[lane] };
+        let dimmed = || path.throughput * scene.surroundings.transmittance(hit.t);
+        let full = if let Some(record) = scene.plains.get(&hit.id) {
+            round.matte.push_arrival(number, path, dimmed(), bundle, &hit, record)
+        } else {
+            let material = &scene.materials[scene.material_index(hit.id)];
+            let (true, Some(finish)) = (material.matte, &material.uniform) else { return false };
+            let ray = bundle.ray(number);
+            let Some(surface) = scene.world.surface_point_inline(&ray, &hit) else { return false };
+            let shading = Shading { surface, finish: Answer::Same(finish) };
+            let departure = bundle.leaves[number % LANES].departure();
+            let point = Point::new(&ray, hit, shading, departure.as_ref());
+            if path.depth == 0 {
+                self.radiances[path.sample as usize].first = point.first_hit(scene);
+            }
+            round.matte.push(path, dimmed(), &point)
+        };
+        if full {
             self.scatter_matte(now, round);
         }
         true
     }
 
+    /// Finds the points of the rays that have arrived.
+    fn arrive(&mut self, now: &Wave, matte: &mut Matte, paths: &[Path<R::Id>], all: u16) {
+        let scene = self.scene;
+        let Matte { arrivals, rays, looks, geometric, .. } = matte;
+        let Bundle { origin: point, error: bound, .. } = rays;
+        let arrived = wide(Arrive { arrivals, point, bound, normal: &mut looks.normal, geometric });
+        let mut new = arrived.new & all;
+        while new != 0 {
+            let lane = new.trailing_zeros() as usize % LANES;
+            new &= new - 1;
+            let (id, is) = (matte.arrivals.ids[lane], |mask: u16| mask >> lane & 1 != 0);
+            matte.rays.leaves[lane] = Leave::back(id, is(arrived.outside), None);
+            if is(arrived.touching | arrived.odd) {
+                self.look_again(now, matte, lane);
+            }
+            let path = &paths[matte.slots[lane] as usize];
+            if path.depth == 0 {
+                self.radiances[path.sample as usize].first = FirstHit {
+                    object: scene.layer_id(id),
+                    depth: matte.arrivals.length[lane],
+                    normal: get(&matte.looks.normal, lane),
+                    albedo: scene.plains.get(&id).map_or(Spectrum::ZERO, |record| record.base),
+                };
+            }
+        }
+    }
+
+    /// The point of a ray that is a case of its own.
+    #[cold]
+    fn look_again(&self, now: &Wave, matte: &mut Matte, lane: usize) {
+        let number = matte.numbers[lane] as usize;
+        let bundle = &now.rays.bundles()[number / LANES];
+        let (ray, leave) = (bundle.ray(number), &bundle.leaves[number % LANES]);
+        let hit = Hit { t: matte.arrivals.length[lane], id: matte.arrivals.ids[lane] };
+        let Some(shading) = self.scene.shading(&ray, &hit) else { return };
+        let point = Point::new(&ray, hit, shading, leave.departure().as_ref());
+        put(&mut matte.rays.origin, lane, point.surface.point);
+        matte.rays.leaves[lane] = Leave::back(point.hit.id, point.outside, point.arrived);
+        put(&mut matte.looks.normal, lane, point.normal);
+        put(&mut matte.geometric, lane, point.geometric());
+    }
+
     /// Lights the matte points and sends their paths on.
-    pub(super) fn scatter_matte(&mut self, now: &Wave<R::Id>, round: &mut Round<R::Id>) {
-        let Round { matte, next, .. } = round;
+    pub(super) fn scatter_matte(&mut self, now: &Wave, round: &mut Round<R::Id>) {
+        let Round { matte, next, paths, .. } = round;
         let count = std::mem::take(&mut matte.count);
         if count == 0 {
             return;
         }
         let all = if count < LANES { (1 << count) - 1 } else { u16::MAX };
         let scene = self.scene;
+        self.arrive(now, matte, paths, all);
         wide(Numbers(matte));
         let found = scene.sources.sample_lanes(scene, &mut matte.rays, &mut matte.looks, all);
         let how = scene.settings.light_sampling;
         let [bright, going] = wide(Scatter { matte, how });
         let mut lit = bright & found;
         if !scene.surroundings.is_clear() || std::mem::take(&mut matte.inside) {
-            lit = self.dim(now, matte, lit, count);
+            lit = self.dim(paths, matte, lit, count);
         }
-        self.shine(now, matte, lit);
+        self.shine(paths, matte, lit);
         let (mut left, mut gone) = (going & all, 0);
         while left != 0 {
             let lane = left.trailing_zeros() as usize % LANES;
             left &= left - 1;
             gone += 1;
-            let path = &now.paths[matte.numbers[lane] as usize];
-            let sure = matte.unsure[lane] == 0.0;
-            next.paths.push(Path {
-                throughput: get(&matte.throughput, lane),
-                density: matte.density[lane],
-                normal: Some(get(&matte.looks.normal, lane)),
-                depth: path.depth + 1,
-                walked: 0.0,
-                trail: path.trail.then(false),
-                stream: path.stream.ahead(if sure { 3 } else { 4 }),
-                ..*path
-            });
+            let slot = matte.slots[lane];
+            let path = &mut paths[slot as usize];
+            path.throughput = get(&matte.throughput, lane);
+            path.density = matte.density[lane];
+            path.normal = Some(get(&matte.looks.normal, lane));
+            path.depth += 1;
+            path.walked = 0.0;
+            path.trail = path.trail.then(false);
+            path.stream = path.stream.ahead(if matte.unsure[lane] == 0.0 { 3 } else { 4 });
+            next.slots.push(slot);
             next.rays.push_lane(&matte.rays, lane, get(&matte.next, lane), f64::INFINITY);
         }
         self.counts.reflect += gone;
@@ -185,9 +260,9 @@ impl<R: Recorder> Paths<'_, '_, R> {
 
     /// What is between things dims light of sources; returns those of which some is left.
     #[cold]
-    fn dim(&self, now: &Wave<R::Id>, matte: &mut Matte, mut lit: u16, count: usize) -> u16 {
+    fn dim(&self, paths: &[Path<R::Id>], matte: &mut Matte, mut lit: u16, count: usize) -> u16 {
         for lane in 0..count {
-            let inside = now.paths[matte.numbers[lane] as usize].inside;
+            let inside = paths[matte.slots[lane] as usize].inside;
             let clear = self.transmittance(inside, matte.rays.t_max[lane]);
             let value = get(&matte.value, lane) * clear;
             put(&mut matte.value, lane, value);
@@ -199,7 +274,7 @@ impl<R: Recorder> Paths<'_, '_, R> {
     }
 
     /// Adds what arrives from sources.
-    fn shine(&mut self, now: &Wave<R::Id>, matte: &mut Matte, mut lit: u16) {
+    fn shine(&mut self, paths: &[Path<R::Id>], matte: &mut Matte, mut lit: u16) {
         if lit == 0 {
             return;
         }
@@ -208,7 +283,7 @@ impl<R: Recorder> Paths<'_, '_, R> {
         while lit != 0 {
             let lane = lit.trailing_zeros() as usize % LANES;
             lit &= lit - 1;
-            let path = &now.paths[matte.numbers[lane] as usize];
+            let path = &paths[matte.slots[lane] as usize];
             let value = self.clamped(path.depth + 1, get(&matte.value, lane));
             let sharp = matte.looks.pdf[lane] == f64::INFINITY;
             let value = match matte.found.best(lane) {
@@ -305,12 +380,7 @@ impl Kernel for Scatter<'_> {
             density[i] = wi.z * FRAC_1_PI;
             going[i] = if on { 1.0 } else { 0.0 };
         }
-        let (mut lit, mut gone) = (0, 0);
-        for i in 0..LANES {
-            lit |= u16::from(bright[i] != 0.0) << i;
-            gone |= u16::from(going[i] != 0.0) << i;
-        }
-        [lit, gone]
+        [bits(&bright), bits(&going)]
     }
 }
 

@@ -12,6 +12,7 @@
 //!
 //! What differs from Whitted's meaning of a scene stands in the manual, `path.md`.
 
+pub(crate) mod arrive;
 mod matte;
 mod phase;
 pub(crate) mod photons;
@@ -28,11 +29,14 @@ use dioptric_geometry::{Contacts, HitId, Ray};
 use dioptric_math::{DVec3, Spectrum};
 
 use super::media::{Inside, Media};
-use super::recorder::{RayKind, Recorder};
+use super::recorder::{RayKind, Recorder, Silent};
 use super::resolve::Spare;
 use super::shadow::Start;
 use crate::bsdf::Bsdf;
+use crate::camera::Places;
 use crate::film::{FirstHit, Radiance};
+use crate::job::Shot;
+use crate::picture::place;
 use crate::sampling::stream::Stream;
 use crate::scene::Scene;
 use crate::setting::render::Shadows;
@@ -62,6 +66,8 @@ pub struct Paths<'a, 'r, R: Recorder> {
 #[derive(Clone, Copy)]
 struct Path<I> {
     sample: u32,
+    /// Its place among the paths of the batch.
+    slot: u32,
     id: I,
     /// What multiplies the radiance that its ray brings.
     throughput: Spectrum,
@@ -90,6 +96,7 @@ impl<I> Path<I> {
     fn new(sample: u32, id: I, inside: Inside, stream: Stream) -> Self {
         Self {
             sample,
+            slot: 0,
             id,
             throughput: Spectrum::ONE,
             density: f64::INFINITY,
@@ -118,23 +125,26 @@ struct Task<I> {
     inside: Inside,
 }
 
-/// Paths with the rays that they cast next.
-struct Wave<I> {
+/// Rays that are cast next, and whose they are.
+struct Wave {
     rays: Rays,
-    paths: Vec<Path<I>>,
+    /// The places of their paths.
+    slots: Vec<u32>,
 }
 
-impl<I> Default for Wave<I> {
+impl Default for Wave {
     fn default() -> Self {
-        Self { rays: Rays::default(), paths: Vec::with_capacity(TOGETHER) }
+        Self { rays: Rays::default(), slots: Vec::with_capacity(TOGETHER) }
     }
 }
 
 /// Memory that the rounds of a batch use again.
 struct Round<I> {
-    now: Wave<I>,
+    /// All paths of the batch, each at its place as long as it lives.
+    paths: Vec<Path<I>>,
+    now: Wave,
     /// Those that go on with the next step.
-    next: Wave<I>,
+    next: Wave,
     found: Vec<Found>,
     matte: Matte,
     shadows: Vec<Query>,
@@ -165,42 +175,49 @@ impl<'a, 'r, R: Recorder> Paths<'a, 'r, R> {
         let mut rays = rays.zip(0..);
         let mut left = self.radiances.len();
         while left > 0 {
-            self.media = Media::new(self.scene.surroundings.ior);
-            let around = self.scene.around_camera.iter();
-            let inside = around.fold(None, |inside, &medium| self.media.enter(inside, medium));
+            let inside = self.start(&mut round);
             for (ray, sample) in rays.by_ref().take(TOGETHER) {
                 left -= 1;
                 if let Some((ray, stream)) = ray {
-                    self.begin(&mut round, sample, ray, stream, inside);
+                    self.counts.camera += 1;
+                    let id = self.recorder.begin(None, RayKind::Camera, &ray);
+                    round.begin(Path::new(sample, id, inside, stream), ray);
                 }
             }
-            while !round.now.paths.is_empty() {
-                if cancel.load(Ordering::Relaxed) {
-                    return Vec::new();
-                }
-                self.step(&mut round);
+            if !self.run(&mut round, cancel) {
+                return Vec::new();
             }
         }
-        for radiance in &mut self.radiances {
+        self.tell_alphas(0);
+        self.radiances
+    }
+
+    /// Ready for paths that begin at the camera; what is around them.
+    fn start(&mut self, round: &mut Round<R::Id>) -> Inside {
+        round.paths.clear();
+        self.media = Media::new(self.scene.surroundings.ior);
+        let around = self.scene.around_camera.iter();
+        around.fold(None, |inside, &medium| self.media.enter(inside, medium))
+    }
+
+    /// Follows paths to their ends; false if cancelled meanwhile.
+    fn run(&mut self, round: &mut Round<R::Id>, cancel: &AtomicBool) -> bool {
+        while !round.now.slots.is_empty() {
+            if cancel.load(Ordering::Relaxed) {
+                return false;
+            }
+            self.step(round);
+        }
+        true
+    }
+
+    /// Where something was hit first nothing shines through.
+    fn tell_alphas(&mut self, from: usize) {
+        for radiance in &mut self.radiances[from..] {
             if radiance.first.object != FirstHit::NOTHING {
                 radiance.alpha = 1.0;
             }
         }
-        self.radiances
-    }
-
-    fn begin(
-        &mut self,
-        round: &mut Round<R::Id>,
-        sample: u32,
-        ray: Ray,
-        stream: Stream,
-        inside: Inside,
-    ) {
-        self.counts.camera += 1;
-        let id = self.recorder.begin(None, RayKind::Camera, &ray);
-        round.now.rays.push(&Query::new(ray, f64::INFINITY, None, Contacts::CROSSED));
-        round.now.paths.push(Path::new(sample, id, inside, stream));
     }
 
     /// Takes every path one surface further; those that go on are kept.
@@ -208,14 +225,15 @@ impl<'a, 'r, R: Recorder> Paths<'a, 'r, R> {
         let now = std::mem::take(&mut round.now);
         self.scene.world.closest_of_rays(&now.rays, &mut round.found);
         round.next.rays.clear();
-        round.next.paths.clear();
+        round.next.slots.clear();
         let mut bsdf = Bsdf::BLACK;
-        for (i, path) in now.paths.iter().enumerate() {
+        for (i, &slot) in now.slots.iter().enumerate() {
             let bundle = &now.rays.bundles()[i / Bundle::LANES];
-            let hit = round.found[i / Bundle::LANES].best(i);
-            if self.meet_matte(&now, i, bundle, hit, round) {
+            if self.meet_matte(&now, i, bundle, round) {
                 continue;
             }
+            let hit = round.found[i / Bundle::LANES].best(i);
+            let path = round.paths[slot as usize];
             if !self.meet(&now, i, &bundle.query(i), hit, &mut bsdf, round) && R::ENABLED {
                 round.ended.push((path.sample, path.id));
             }
@@ -300,12 +318,66 @@ impl<'a, 'r, R: Recorder> Paths<'a, 'r, R> {
     }
 }
 
+impl Paths<'_, '_, Silent> {
+    /// [`Self::radiances`] of a job's samples, whose rays the camera makes sixteen at a time.
+    pub fn shoot(mut self, shots: &[Shot], cancel: &AtomicBool, out: &mut Vec<Radiance>) {
+        let (scene, before) = (self.scene, out.len());
+        self.radiances = std::mem::take(out);
+        self.radiances.resize(before + shots.len(), Radiance::NOTHING);
+        let (mut round, mut places) = (Round::default(), Places::CORNER);
+        let mut sample = before as u32;
+        for shots in shots.chunks(TOGETHER) {
+            let inside = self.start(&mut round);
+            round.now.rays.clear();
+            for shots in shots.chunks(Bundle::LANES) {
+                let mut streams = [shots[0].stream; Bundle::LANES];
+                for (lane, (shot, stream)) in shots.iter().zip(&mut streams).enumerate() {
+                    *stream = shot.stream;
+                    let at = place(scene, &shot.sample, stream);
+                    (places.x[lane], places.y[lane], places.lens[lane]) = at;
+                }
+                let rays = &mut round.now.rays;
+                let seen = rays.append(shots.len(), |rays| scene.camera.rays(&places, rays));
+                for (lane, stream) in streams.into_iter().enumerate().take(shots.len()) {
+                    if seen >> lane & 1 != 0 {
+                        self.counts.camera += 1;
+                        round.begin_with_ray(Path::new(sample, (), inside, stream));
+                    }
+                    sample += 1;
+                }
+            }
+            if !self.run(&mut round, cancel) {
+                self.radiances.truncate(before);
+                break;
+            }
+        }
+        self.tell_alphas(before);
+        *out = self.radiances;
+    }
+}
+
 impl<I> Round<I> {
+    /// Begins a path with its first ray.
+    fn begin(&mut self, path: Path<I>, ray: Ray) {
+        self.begin_with_ray(path);
+        self.now.rays.push(&Query::new(ray, f64::INFINITY, None, Contacts::CROSSED));
+    }
+
+    /// Begins a path whose ray waits already.
+    #[inline(always)]
+    fn begin_with_ray(&mut self, path: Path<I>) {
+        let slot = self.paths.len() as u32;
+        self.paths.push(Path { slot, ..path });
+        self.now.slots.push(slot);
+    }
+
     /// Keeps a path that goes on for the next step; whether there is one.
     #[inline(always)]
     fn go_on(&mut self, next: Option<(Path<I>, Query)>) -> bool {
         let Some((path, query)) = next else { return false };
-        self.next.paths.push(path);
+        let slot = path.slot;
+        self.next.slots.push(slot);
+        self.paths[slot as usize] = path;
         self.next.rays.push(&query);
         true
     }
@@ -314,6 +386,7 @@ impl<I> Round<I> {
 impl<I> Default for Round<I> {
     fn default() -> Self {
         Self {
+            paths: Vec::with_capacity(TOGETHER),
             now: Wave::default(),
             next: Wave::default(),
             found: Vec::with_capacity(TOGETHER / Bundle::LANES),

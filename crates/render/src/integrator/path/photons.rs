@@ -53,10 +53,11 @@ pub(crate) fn guide(scene: &Scene, count: u32) -> Option<Guide> {
         if let Some(photons) = &mut paths.photons {
             photons.sent.clear();
         }
+        round.paths.clear();
         for number in first..count.min(first + TOGETHER as u32) {
-            paths.shoot(&things, number, &mut round);
+            paths.send(&things, number, &mut round);
         }
-        while !round.now.paths.is_empty() {
+        while !round.now.slots.is_empty() {
             paths.step(&mut round);
         }
     }
@@ -105,7 +106,7 @@ fn sharp(scene: &Scene, object: u32) -> Option<Sharp> {
 
 impl<R: Recorder> Paths<'_, '_, R> {
     /// Begins the way of a photon, if a source sends one to the place that its numbers pick.
-    fn shoot(&mut self, things: &[Sharp], number: u32, round: &mut Round<R::Id>) {
+    fn send(&mut self, things: &[Sharp], number: u32, round: &mut Round<R::Id>) {
         let scene = self.scene;
         // A place that no pixel has.
         let place = [u32::MAX, u32::MAX];
@@ -145,8 +146,7 @@ impl<R: Recorder> Paths<'_, '_, R> {
         photons.sent.push(value);
         let ray = Ray::new(ray.at(back), -source.direction);
         let id = self.recorder.begin(None, RayKind::Camera, &ray);
-        round.now.rays.push(&Query::new(ray, f64::INFINITY, None, Contacts::CROSSED));
-        round.now.paths.push(Path::new(sample, id, None, stream));
+        round.begin(Path::new(sample, id, None, stream), ray);
     }
 
     /// Keeps a photon that came to a dull surface by way of sharp ones.

@@ -34,7 +34,7 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
     /// What a path's ray met; whether the path goes on.
     pub(super) fn meet(
         &mut self,
-        now: &Wave<R::Id>,
+        now: &Wave,
         number: usize,
         query: &Query,
         hit: Option<Hit>,
@@ -42,7 +42,7 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
         round: &mut Round<R::Id>,
     ) -> bool {
         let scene = self.scene;
-        let mut path = now.paths[number];
+        let mut path = round.paths[now.slots[number] as usize];
         let found = hit.and_then(|hit| {
             resolve(scene, &self.media, &query.ray, || *query, hit, path.inside, &mut round.spare)
         });
@@ -88,7 +88,7 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
             self.recorder.note(path.id, "ended", || json!("at the limit of bounces"));
             (false, point.finish)
         } else if self.in_lanes && !last && point.finish.is_matte() {
-            if round.matte.push(number, &path, path.throughput, &point) {
+            if round.matte.push(&path, path.throughput, &point) {
                 self.scatter_matte(now, round);
             }
             (true, point.finish)
