@@ -14,7 +14,7 @@ pub mod wide;
 
 pub use glam::{DAffine3, DMat3, DVec2, DVec3, DVec4, Vec4, Vec4Swizzles};
 pub use libm::{acos, asin, atan, atan2, cbrt, cos, exp, exp2, log2, log10, pow, sin, tan, tanh};
-pub use power::unit_power;
+pub use power::{unit_power, unit_powers};
 pub use turn::{half_turn_angle, small_sin_cos, turn_sin_cos};
 
 /// Light as three linear lanes (Rec. 709 primaries): radiance, or a weight that multiplies it.

@@ -56,6 +56,25 @@ pub fn unit_power(x: f64, n: f64) -> f64 {
     if !((f64::MIN_POSITIVE..1.0).contains(&x) && (0.0..=1e9).contains(&n)) {
         return if x == 1.0 && n.is_finite() { 1.0 } else { crate::pow(x, n) };
     }
+    in_range(x, n)
+}
+
+/// Numbers from 0 to 1, each to a power from 1 to 1e9: the bits of [`unit_power`], but for powers below 1e-300, which are 0.
+/// NaN stays.
+///
+/// To be compiled for wide vectors: see [`crate::wide::Kernel`].
+#[inline(always)]
+pub fn unit_powers<const N: usize>(x: &[f64; N], n: &[f64; N], out: &mut [f64; N]) {
+    for i in 0..N {
+        let power = in_range(x[i], n[i]);
+        let power = if x[i] < f64::MIN_POSITIVE { 0.0 } else { power };
+        out[i] = if x[i] < 1.0 { power } else { x[i] };
+    }
+}
+
+/// [`unit_power`] of normal numbers below 1; of others any number.
+#[inline(always)]
+fn in_range(x: f64, n: f64) -> f64 {
     // x = 2^e m with m in [1, 2), and m = c (1 + r) with |r| <= 2^-7.
     let bits = x.to_bits();
     let e = (bits >> 52) as i32 - 1023;
@@ -66,9 +85,6 @@ pub fn unit_power(x: f64, n: f64) -> f64 {
     // ln(1 + r) without r^7 / 7 < 2^-51 and what follows.
     let ln = r - r2 * ((0.5 - r * (1.0 / 3.0)) + r2 * ((0.25 - r * 0.2) + r2 * (1.0 / 6.0)));
     let y = n * (f64::from(e) + (logarithm + ln * (1.0 / LN_2)));
-    if y < -996.0 {
-        return 0.0;
-    }
     // y = k / 64 + t with |t| <= 1 / 128.
     let rounded = y * PIECES as f64 + ROUND;
     let t = y - (rounded - ROUND) * (1.0 / PIECES as f64);
@@ -78,7 +94,8 @@ pub fn unit_power(x: f64, n: f64) -> f64 {
     // e^z without z^6 / 720 < 2^-54 and what follows.
     let exp = 1.0 + (z + z2 * ((0.5 + z * (1.0 / 6.0)) + z2 * (1.0 / 24.0 + z * (1.0 / 120.0))));
     let scale = f64::from_bits(((1023 + (k >> 6)) as u64) << 52);
-    scale * ROOTS[k as usize % PIECES] * exp
+    let power = scale * ROOTS[k as usize % PIECES] * exp;
+    if y < -996.0 { 0.0 } else { power }
 }
 
 #[cfg(test)]
@@ -119,5 +136,36 @@ mod tests {
         assert!(unit_power(f64::NAN, 2.5).is_nan());
         let tiny = 5e-324;
         assert_eq!(unit_power(tiny, 0.01), pow(tiny, 0.01));
+    }
+
+    #[test]
+    fn many_are_what_one_is() {
+        let mut random = Random::new(9);
+        for round in 0..2000 {
+            let mut x: [f64; 16] = std::array::from_fn(|_| random.uniform(0.0, 1.0));
+            (x[0], x[1], x[2], x[3]) = (0.0, 1.0, f64::NAN, f64::MIN_POSITIVE);
+            x[4] = 1.0 - f64::EPSILON / 2.0;
+            let n: [f64; 16] =
+                std::array::from_fn(|_| pow(1e9, random.uniform(0.0, 1.0)) * f64::from(round % 2));
+            let n = n.map(|n| n.max(1.0));
+            let mut out = [0.0; 16];
+            crate::wide::wide(Powers(&x, &n, &mut out));
+            for i in 0..16 {
+                let one = unit_power(x[i], n[i]);
+                let same = out[i].to_bits() == one.to_bits() || out[i].is_nan() && one.is_nan();
+                assert!(same || one < 1e-300 && out[i] == 0.0, "{} {} {}", x[i], n[i], out[i]);
+            }
+        }
+    }
+
+    struct Powers<'a>(&'a [f64; 16], &'a [f64; 16], &'a mut [f64; 16]);
+
+    impl crate::wide::Kernel for Powers<'_> {
+        type Output = ();
+
+        #[inline(always)]
+        fn run(self) {
+            unit_powers(self.0, self.1, self.2);
+        }
     }
 }

@@ -98,6 +98,8 @@ pub struct Scene {
     pub materials: Vec<SceneMaterial>,
     /// Whether any of them has holes.
     pub has_holes: bool,
+    /// Whether none of them lets light pass anywhere.
+    pub all_opaque: bool,
     /// Materials of the leaves of CSG objects, by [`ObjectInfo::material`] plus leaf.
     pub leaf_materials: Vec<u32>,
     /// By instance id: the node that was used again.

@@ -109,6 +109,7 @@ pub fn compile(
         world: placed.world,
         objects: placed.objects,
         has_holes: placed.materials.iter().any(|m| m.holes),
+        all_opaque: placed.materials.iter().all(|m| m.opaque && !m.holes),
         materials: placed.materials,
         leaf_materials: placed.leaf_materials,
         instances: placed.instances,

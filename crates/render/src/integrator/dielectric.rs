@@ -21,7 +21,8 @@ impl<R: Recorder> Whitted<'_, '_, R> {
     /// Splits a ray at a dielectric's surface.
     pub(super) fn dielectric(&mut self, met: &mut Met<R::Id>, medium: &Medium, how: Dielectric) {
         let id = met.way.id;
-        let facet = facet_for(&met.point, how.roughness, &mut met.stream);
+        let facet =
+            facet_for(met.point.normal, met.point.ray.direction, how.roughness, &mut met.stream);
         let met = &*met;
         let (point, inside) = (&met.point, met.way.inside);
         let solid = point.is_solid(self.scene);

@@ -4,14 +4,13 @@
 //! Each number is worked out by the same operations in the same order as for one point by itself, so the bits do not
 //! depend on who is next to whom.
 
-use dioptric_geometry::world::{Bundle, Leave, Rays, Sixteen};
+use dioptric_geometry::world::{Bundle, Sixteen};
+use dioptric_math::unit_powers;
 use dioptric_math::wide::Kernel;
 use dioptric_math::{DVec3, Spectrum};
 
-use super::point::Point;
-use super::whitted::Met;
 use crate::light::{Sharp, Towards};
-use crate::material::{FAINTEST, HighlightModel, whole};
+use crate::material::{FAINTEST, Finish, Highlight, HighlightModel, whole};
 
 /// Points in a block.
 pub(super) const LANES: usize = Bundle::LANES;
@@ -19,21 +18,23 @@ pub(super) const LANES: usize = Bundle::LANES;
 /// A vector or a colour of each of sixteen points.
 pub(super) type Vectors = [Sixteen; 3];
 
-const ZERO: Vectors = [[0.0; LANES]; 3];
+pub(super) const ZERO: Vectors = [[0.0; LANES]; 3];
 
 /// Sixteen points, and what a light does to them. Where their rays start is kept beside them.
 #[derive(Clone, Debug)]
 pub(super) struct Block {
     /// The shading normals, and those of the true surfaces, on the rays' sides.
-    normal: Vectors,
-    geometric: Vectors,
+    pub normal: Vectors,
+    pub geometric: Vectors,
     /// Towards the viewer.
-    viewer: Vectors,
+    pub viewer: Vectors,
     /// The normal times the direction towards the viewer.
-    facing: Sixteen,
+    pub facing: Sixteen,
     /// What the points reflect of light, and the colours of their highlights.
     diffuse: Vectors,
     gloss: Vectors,
+    /// The highlights' exponents, where [`Self::power`] says so.
+    exponent: Sixteen,
     pub power: Power,
     /// What they show so far.
     pub own: Vectors,
@@ -57,8 +58,31 @@ pub(super) enum Power {
     None,
     /// All the same of Phong's, with a whole exponent; those that have none not counted.
     Same(u32),
+    /// Phong's, with exponents above 1 that are not whole.
+    Real,
     /// Other ones.
     Mixed,
+}
+
+impl Power {
+    fn of(highlight: Option<&Highlight>) -> Self {
+        let Some(Highlight { model, exponent, .. }) = highlight else { return Self::None };
+        match (model, whole(*exponent)) {
+            (HighlightModel::Phong, Some(n)) => Self::Same(n),
+            (HighlightModel::Phong, None) if (1.0..=1e9).contains(exponent) => Self::Real,
+            _ => Self::Mixed,
+        }
+    }
+
+    /// Of these and those.
+    fn and(self, other: Self) -> Self {
+        match (self, other) {
+            (own, Self::None) => own,
+            (Self::None, other) => other,
+            (own, other) if own == other => own,
+            _ => Self::Mixed,
+        }
+    }
 }
 
 impl Block {
@@ -69,6 +93,7 @@ impl Block {
         facing: [0.0; LANES],
         diffuse: ZERO,
         gloss: ZERO,
+        exponent: [1.0; LANES],
         power: Power::None,
         own: ZERO,
         arriving: ZERO,
@@ -79,33 +104,43 @@ impl Block {
         sum: [ZERO; 2],
     };
 
-    /// Puts a point into a lane; lane 0 comes first.
+    /// Puts what a material answers into a lane, with what the point shows before any light.
     #[inline(always)]
-    pub fn set<I>(&mut self, lane: usize, met: &Met<I>) {
-        let (lane, point) = (lane % LANES, &met.point);
-        let (normal, viewer) = (point.normal, -point.ray.direction);
-        put(&mut self.normal, lane, normal);
-        put(&mut self.geometric, lane, point.geometric());
-        put(&mut self.viewer, lane, viewer);
-        put(&mut self.diffuse, lane, point.finish.diffuse);
-        put(&mut self.own, lane, met.own);
-        self.facing[lane] = normal.dot(viewer);
-        if lane == 0 {
-            self.power = Power::None;
-        }
-        let highlight = &point.finish.highlight;
+    pub fn set(&mut self, lane: usize, finish: &Finish, own: Spectrum) {
+        let highlight = finish.highlight.as_ref();
+        put(&mut self.diffuse, lane, finish.diffuse);
+        put(&mut self.own, lane, own);
         put(&mut self.gloss, lane, highlight.map_or(Spectrum::ZERO, |h| h.color));
-        if let Some(highlight) = highlight {
-            let power = match (highlight.model, whole(highlight.exponent)) {
-                (HighlightModel::Phong, Some(n)) => Power::Same(n),
-                _ => Power::Mixed,
-            };
-            self.power = match self.power {
-                Power::None => power,
-                own if own == power => own,
-                _ => Power::Mixed,
-            };
+        self.exponent[lane % LANES] = highlight.map_or(1.0, |h| h.exponent);
+        self.power = self.power.and(Power::of(highlight));
+    }
+
+    /// The same for all lanes.
+    #[inline(always)]
+    pub fn set_all(&mut self, finish: &Finish, own: Spectrum) {
+        let highlight = finish.highlight.as_ref();
+        let gloss = highlight.map_or(Spectrum::ZERO, |h| h.color);
+        let pairs =
+            [(&mut self.diffuse, finish.diffuse), (&mut self.own, own), (&mut self.gloss, gloss)];
+        for (all, value) in pairs {
+            for (all, value) in all.iter_mut().zip(value.to_array()) {
+                *all = [value; LANES];
+            }
         }
+        self.exponent = [highlight.map_or(1.0, |h| h.exponent); LANES];
+        self.power = Power::of(highlight);
+    }
+
+    /// The shading normal of a point.
+    #[inline(always)]
+    pub fn normal(&self, lane: usize) -> DVec3 {
+        get(&self.normal, lane)
+    }
+
+    /// Turns the shading normal of a point elsewhere.
+    pub fn turn(&mut self, lane: usize, normal: DVec3) {
+        put(&mut self.normal, lane, normal);
+        self.facing[lane % LANES] = normal.dot(get(&self.viewer, lane));
     }
 
     /// Takes over a point of another block; lane 0 comes first.
@@ -121,11 +156,9 @@ impl Block {
             put(own, lane, get(other, from));
         }
         self.facing[lane % LANES] = other.facing[from % LANES];
-        self.power = match self.power {
-            _ if lane.is_multiple_of(LANES) => other.power,
-            own if own == other.power => own,
-            _ => Power::Mixed,
-        };
+        self.exponent[lane % LANES] = other.exponent[from % LANES];
+        let before = if lane.is_multiple_of(LANES) { Power::None } else { self.power };
+        self.power = before.and(other.power);
     }
 }
 
@@ -145,7 +178,7 @@ pub(super) fn get(of: &Vectors, lane: usize) -> DVec3 {
 
 /// Products of vectors, in the order in which they are taken one by one.
 #[inline(always)]
-fn dot(a: &Vectors, b: &Vectors, out: &mut Sixteen) {
+pub(super) fn dot(a: &Vectors, b: &Vectors, out: &mut Sixteen) {
     for i in 0..LANES {
         out[i] = a[0][i] * b[0][i] + a[1][i] * b[1][i] + a[2][i] * b[2][i];
     }
@@ -194,18 +227,6 @@ impl Kernel for Fall<'_> {
                 term[i] = diffuse[i] * arriving[i] * cosine[i];
             }
         }
-        if let Power::Same(n) = block.power {
-            // Phong's: r . v with r = 2 (n . l) n - l, without making r.
-            let mut base = [0.0; LANES];
-            dot(&rays.direction, &block.viewer, &mut base);
-            for (i, base) in base.iter_mut().enumerate() {
-                let r = 2.0 * block.cosine[i] * block.facing[i] - *base;
-                // As `clamp` does it: NaN stays.
-                let r = if r < 0.0 { 0.0 } else { r };
-                *base = if r > 1.0 { 1.0 } else { r };
-            }
-            powers(&base, n, &mut block.strength);
-        }
         // A light behind the surface sends nothing, and no ray is cast; NaN is behind. A bent normal (bumps, vertex
         // normals) may see a light that the true surface hides.
         let [r, g, b] = &block.term;
@@ -219,7 +240,29 @@ impl Kernel for Fall<'_> {
     }
 }
 
-/// Sixteen powers of numbers from 0 to 1; what is too faint is none.
+/// Works out how strong Phong's highlights are.
+#[inline(always)]
+fn strengths(rays: &Bundle, block: &mut Block) {
+    // r . v with r = 2 (n . l) n - l, without making r.
+    let mut base = [0.0; LANES];
+    dot(&rays.direction, &block.viewer, &mut base);
+    for (i, base) in base.iter_mut().enumerate() {
+        let r = 2.0 * block.cosine[i] * block.facing[i] - *base;
+        // As `clamp` does it: NaN stays.
+        let r = if r < 0.0 { 0.0 } else { r };
+        *base = if r > 1.0 { 1.0 } else { r };
+    }
+    match block.power {
+        Power::Same(n) => powers(&base, n, &mut block.strength),
+        _ => unit_powers(&base, &block.exponent, &mut block.strength),
+    }
+    // What is too faint is none.
+    for strength in &mut block.strength {
+        *strength = if *strength < FAINTEST { 0.0 } else { *strength };
+    }
+}
+
+/// Sixteen powers.
 #[inline(always)]
 fn powers(of: &Sixteen, mut n: u32, out: &mut Sixteen) {
     let (mut base, mut result) = (*of, [1.0; LANES]);
@@ -234,9 +277,7 @@ fn powers(of: &Sixteen, mut n: u32, out: &mut Sixteen) {
         }
         n >>= 1;
     }
-    for i in 0..LANES {
-        out[i] = if result[i] < FAINTEST { 0.0 } else { result[i] };
-    }
+    *out = result;
 }
 
 /// What a row of points to be lit stands for.
@@ -248,51 +289,103 @@ pub(super) struct Row {
     pub told: u32,
 }
 
-/// Points to be lit, each where rays to lights start.
+/// Points to be lit, sixteen by sixteen.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Lit {
-    pub rays: Rays,
-    pub blocks: Vec<Block>,
-    pub rows: Vec<Row>,
+    /// Where rays to lights start, and, light by light, where they go.
+    rays: Vec<Bundle>,
+    blocks: Vec<Block>,
+    /// The lanes of each block that are points to be lit.
+    live: Vec<u16>,
+    /// What the lanes stand for, where they are samples of a light; else each is the point of the same number.
+    rows: Vec<Row>,
+}
+
+/// The parts of [`Lit`] that are in use.
+pub(super) struct Parts<'a> {
+    pub rays: &'a mut [Bundle],
+    pub blocks: &'a mut [Block],
+    pub live: &'a mut [u16],
 }
 
 impl Lit {
-    pub fn clear(&mut self) {
-        self.rays.clear();
+    /// Makes room for so many blocks of points, none of which is to be lit yet.
+    pub fn begin(&mut self, blocks: usize) {
         self.rows.clear();
+        self.live.clear();
+        self.live.resize(blocks, 0);
+        if self.blocks.len() < blocks {
+            self.rays.resize(blocks, Bundle::EMPTY);
+            self.blocks.resize(blocks, Block::EMPTY);
+        }
     }
 
-    /// Adds a point.
-    pub fn push<I>(&mut self, met: &Met<I>, of: usize) {
-        let at = self.rays.len();
-        let Point { ray, surface, hit, outside, arrived, .. } = &met.point;
-        let leave = Leave::back(hit.id, *outside, *arrived);
-        self.rays.push_from(surface.point, surface.error, ray.time, leave);
-        self.block_for(at).set(at, met);
-        self.rows.push(Row { point: of as u32, told: at as u32 });
+    /// Whether there is nothing to be lit.
+    pub fn is_dark(&self) -> bool {
+        self.live.iter().all(|live| *live == 0)
+    }
+
+    /// How many blocks there are.
+    pub const fn len(&self) -> usize {
+        self.live.len()
+    }
+
+    /// All blocks.
+    #[inline(always)]
+    pub fn parts(&mut self) -> Parts<'_> {
+        let count = self.live.len();
+        let (rays, blocks) = (&mut self.rays[..count], &mut self.blocks[..count]);
+        Parts { rays, blocks, live: &mut self.live }
+    }
+
+    #[inline(always)]
+    pub fn rays(&self, block: usize) -> &Bundle {
+        &self.rays[block]
+    }
+
+    /// All that rays to a light need.
+    pub fn all_rays(&self) -> &[Bundle] {
+        &self.rays[..self.live.len()]
+    }
+
+    #[inline(always)]
+    pub fn block(&self, block: usize) -> &Block {
+        &self.blocks[block]
+    }
+
+    #[inline(always)]
+    pub fn block_mut(&mut self, block: usize) -> &mut Block {
+        &mut self.blocks[block]
+    }
+
+    /// The numbers of all points to be lit.
+    pub fn numbers(&self) -> impl Iterator<Item = usize> {
+        let blocks = self.live.iter().enumerate();
+        blocks.flat_map(|(at, live)| lanes(*live).map(move |lane| at * LANES + lane))
+    }
+
+    /// What a lane stands for.
+    #[inline(always)]
+    pub fn row(&self, number: usize) -> Row {
+        let own = Row { point: number as u32, told: number as u32 };
+        self.rows.get(number).copied().unwrap_or(own)
     }
 
     /// Adds a point once more.
     pub fn push_again(&mut self, other: &Self, row: usize) {
-        let at = self.rays.len();
-        self.rays.push(&other.rays.bundles()[row / LANES].query(row));
-        self.block_for(at).take(at, &other.blocks[row / LANES], row);
-        self.rows.push(Row { told: row as u32, ..other.rows[row] });
-    }
-
-    fn block_for(&mut self, row: usize) -> &mut Block {
-        if row / LANES == self.blocks.len() {
+        let (number, lane) = (self.rows.len(), self.rows.len() % LANES);
+        let at = number / LANES;
+        if lane == 0 {
+            self.live.push(0);
+        }
+        if at == self.blocks.len() {
+            self.rays.push(Bundle::EMPTY);
             self.blocks.push(Block::EMPTY);
         }
-        &mut self.blocks[row / LANES]
-    }
-
-    /// The lanes of a block that are points.
-    pub fn lanes(&self, block: usize) -> u16 {
-        match self.rows.len().saturating_sub(block * LANES) {
-            n @ 0..LANES => (1 << n) - 1,
-            _ => u16::MAX,
-        }
+        self.live[at] |= 1 << lane;
+        self.rays[at].set(lane, &other.rays[row / LANES].query(row));
+        self.blocks[at].take(number, &other.blocks[row / LANES], row);
+        self.rows.push(Row { told: row as u32, ..other.row(row) });
     }
 }
 
@@ -307,7 +400,7 @@ pub(super) fn lanes(mut bits: u16) -> impl Iterator<Item = usize> {
 
 /// What a light without a size sends to all points.
 pub(super) struct AllFall<'a> {
-    pub lit: &'a mut Lit,
+    pub lit: Parts<'a>,
     pub light: Sharp,
     pub between: &'a mut [Between],
 }
@@ -318,8 +411,8 @@ impl Kernel for AllFall<'_> {
     #[inline(always)]
     fn run(self) {
         let Self { lit, light, between } = self;
-        let blocks = lit.rays.bundles_mut().iter_mut().zip(&mut lit.blocks);
-        for ((rays, block), between) in blocks.zip(between) {
+        let blocks = lit.rays.iter_mut().zip(lit.blocks).zip(between);
+        for ((rays, block), between) in blocks.filter(|(_, between)| between.asked != 0) {
             between.odd = Towards { light, rays, arriving: &mut block.arriving }.run();
             Fall { rays, block, share: 1.0, between }.run();
         }
@@ -328,10 +421,12 @@ impl Kernel for AllFall<'_> {
 
 /// Adds to all points what is left of the light, now that it is known what is between.
 pub(super) struct AllAdd<'a> {
-    pub lit: &'a mut Lit,
+    pub lit: Parts<'a>,
     pub between: &'a [Between],
-    /// Whether this is all of the light, which the points show then; else it is only put into [`Block::sum`].
+    /// Whether this is all of the light, which the points show then.
     pub whole: bool,
+    /// Whether what it adds is put into [`Block::sum`].
+    pub kept: bool,
 }
 
 impl Kernel for AllAdd<'_> {
@@ -339,34 +434,48 @@ impl Kernel for AllAdd<'_> {
 
     #[inline(always)]
     fn run(self) {
-        for (block, between) in self.lit.blocks.iter_mut().zip(self.between) {
+        let blocks = self.lit.rays.iter().zip(self.lit.blocks).zip(self.between);
+        for ((rays, block), between) in blocks {
+            if between.passed == 0 {
+                if self.kept {
+                    block.sum = [ZERO; 2];
+                }
+                continue;
+            }
+            // Only now: a highlight costs more than all the rest.
+            if matches!(block.power, Power::Same(_) | Power::Real) {
+                strengths(rays, block);
+            }
             let mut passed = [false; LANES];
             for (i, passed) in passed.iter_mut().enumerate() {
                 *passed = between.passed & 1 << i != 0;
             }
-            if !between.tinted {
-                block.visibility = [[1.0; LANES]; 3];
-            }
             for axis in 0..3 {
-                let (visibility, [diffuse, highlight]) = (&block.visibility[axis], &mut block.sum);
-                let (diffuse, highlight) = (&mut diffuse[axis], &mut highlight[axis]);
                 let term = &block.term[axis];
-                for i in 0..LANES {
-                    diffuse[i] = if passed[i] { term[i] * visibility[i] } else { 0.0 };
-                }
-                if block.power == Power::None {
-                    *highlight = [0.0; LANES];
-                } else {
+                let (mut diffuse, mut highlight) = (*term, [0.0; LANES]);
+                if block.power != Power::None {
                     let (gloss, arriving) = (&block.gloss[axis], &block.arriving[axis]);
                     for i in 0..LANES {
-                        let shine = gloss[i] * arriving[i] * block.strength[i] * visibility[i];
-                        highlight[i] = if passed[i] { shine } else { 0.0 };
+                        highlight[i] = gloss[i] * arriving[i] * block.strength[i];
                     }
+                }
+                if between.tinted {
+                    for i in 0..LANES {
+                        diffuse[i] *= block.visibility[axis][i];
+                        highlight[i] *= block.visibility[axis][i];
+                    }
+                }
+                for i in 0..LANES {
+                    diffuse[i] = if passed[i] { diffuse[i] } else { 0.0 };
+                    highlight[i] = if passed[i] { highlight[i] } else { 0.0 };
                 }
                 if self.whole {
                     for i in 0..LANES {
                         block.own[axis][i] += diffuse[i] + highlight[i];
                     }
+                }
+                if self.kept {
+                    (block.sum[0][axis], block.sum[1][axis]) = (diffuse, highlight);
                 }
             }
         }
@@ -376,7 +485,6 @@ impl Kernel for AllAdd<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::material::Highlight;
     use dioptric_math::normalize;
     use dioptric_math::random::Random;
     use dioptric_math::wide::wide;
@@ -385,7 +493,7 @@ mod tests {
     #[test]
     fn sixteen_get_what_one_gets() {
         let mut random = Random::new(11);
-        for exponent in [0, 1, 2, 7, 60, 4096] {
+        for exponent in [0.0, 1.0, 2.0, 7.0, 60.0, 4096.0, 1.3, 3.0827, 700.5] {
             let mut vector =
                 |size: f64| DVec3::from_array([(); 3].map(|()| random.uniform(-size, size)));
             let mut unit = || normalize(vector(1.0)).unwrap_or(DVec3::X);
@@ -404,17 +512,20 @@ mod tests {
                 block.facing[lane] = normal.dot(viewer);
                 points.push((normal, geometric, viewer, to_light, color));
             }
-            block.power = Power::Same(exponent);
+            (block.exponent, block.power) = match whole(exponent) {
+                Some(n) => ([1.0; LANES], Power::Same(n)),
+                None => ([exponent; LANES], Power::Real),
+            };
             let mut between = Between { asked: !8, ..Between::default() };
             wide(Fall { rays: &rays, block: &mut block, share: 0.3, between: &mut between });
+            strengths(&rays, &mut block);
             let mut expected = (0, 0);
             for (lane, &(normal, geometric, viewer, to_light, color)) in points.iter().enumerate() {
                 let arriving = geometric * 0.3;
                 let term = get(&block.diffuse, lane) * arriving * normal.dot(to_light);
                 assert_eq!((get(&block.arriving, lane), get(&block.term, lane)), (arriving, term));
                 let model = HighlightModel::Phong;
-                let highlight =
-                    Highlight { model, color, exponent: f64::from(exponent), image: false };
+                let highlight = Highlight { model, color, exponent, image: false };
                 let strength = highlight.strength(normal, to_light, viewer);
                 assert_eq!(block.strength[lane].to_bits(), strength.to_bits(), "{exponent}");
                 let front = normal.dot(to_light) > 0.0 && geometric.dot(to_light) > 0.0;

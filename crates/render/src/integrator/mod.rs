@@ -3,6 +3,7 @@
 
 mod dielectric;
 pub mod direct;
+mod front;
 mod layered;
 mod lit;
 pub mod media;

@@ -3,13 +3,18 @@
 
 use dioptric_math::{DVec3, Spectrum};
 
-use super::point::Point;
+use crate::material::Finish;
 
 /// A light's highlight at a point.
 #[inline]
-pub(super) fn shine(point: &Point, to_light: DVec3, arriving: Spectrum) -> Spectrum {
-    match &point.finish.highlight {
-        Some(h) => h.color * arriving * h.strength(point.normal, to_light, -point.ray.direction),
+pub(super) fn shine(
+    finish: &Finish,
+    [normal, viewer]: [DVec3; 2],
+    to_light: DVec3,
+    arriving: Spectrum,
+) -> Spectrum {
+    match &finish.highlight {
+        Some(h) => h.color * arriving * h.strength(normal, to_light, viewer),
         None => Spectrum::ZERO,
     }
 }

@@ -9,7 +9,8 @@ use serde_json::{Value, json};
 use super::direct::Asked;
 use super::recorder::Recorder;
 use super::shadow::Start;
-use super::whitted::{Met, Whitted};
+use super::whitted::Whitted;
+use crate::material::Finish;
 use crate::setting::render::Shadows;
 
 /// What a recorder wants to know of one light at one point.
@@ -73,8 +74,14 @@ impl<R: Recorder> Whitted<'_, '_, R> {
     }
 
     /// Tells of one light at one point.
-    pub(super) fn tell(&mut self, met: &Met<R::Id>, asked: Asked, sum: &Sum, lit: &mut Told) {
-        let (id, point) = (met.way.id, &met.point);
+    pub(super) fn tell(
+        &mut self,
+        id: R::Id,
+        finish: &Finish,
+        asked: Asked,
+        sum: &Sum,
+        lit: &mut Told,
+    ) {
         let Asked { placed, samples, .. } = asked;
         lit.blockers.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.id.cmp(&b.id)));
         let scene = self.scene;
@@ -101,7 +108,7 @@ impl<R: Recorder> Whitted<'_, '_, R> {
                 "light_source": source,
             })
         };
-        if point.finish.diffuse != Spectrum::ZERO {
+        if finish.diffuse != Spectrum::ZERO {
             self.recorder.term(id, "diffuse", sum.diffuse, || {
                 (Some(label.clone()), detail(lit.diffuse_unshadowed))
             });

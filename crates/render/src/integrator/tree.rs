@@ -138,6 +138,7 @@ impl<R: Recorder> Whitted<'_, '_, R> {
     }
 
     /// Absorption by the innermost medium, and fog outside of all, over the distance of a ray.
+    #[inline(always)]
     fn attenuated(
         &mut self,
         id: R::Id,
@@ -145,6 +146,9 @@ impl<R: Recorder> Whitted<'_, '_, R> {
         distance: f64,
         inside: Inside,
     ) -> Spectrum {
+        if self.clear && inside.is_none() {
+            return value;
+        }
         let scene = self.scene;
         let left = self.media.transmittance(scene, inside, distance);
         if left != Spectrum::ONE {

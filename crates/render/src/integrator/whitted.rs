@@ -13,14 +13,15 @@
 use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use dioptric_geometry::world::{Found, Query, Rays};
+use dioptric_geometry::world::{Bundle, Found, Query, Rays};
 use dioptric_geometry::{Contacts, Ray};
 use dioptric_math::{DVec3, Spectrum};
 use serde_json::json;
 
 use super::dielectric::Dielectric;
-use super::direct::Scratch;
-use super::lit::{LANES, lanes};
+use super::direct::{Points, Scratch};
+use super::front::Front;
+use super::lit::{Block, LANES, Power, get, lanes, put};
 use super::media::{Inside, Media, Medium};
 use super::optics::facet_normal;
 use super::point::{Leg, Point};
@@ -29,9 +30,9 @@ use super::recorder::{RayKind, Recorder, Silent, Slot};
 use super::resolve::{Spare, resolve};
 use super::tree::{Above, Nodes, Way};
 use crate::camera::Places;
-use crate::film::Radiance;
+use crate::film::{FirstHit, Radiance};
 use crate::job::Shot;
-use crate::material::Optics;
+use crate::material::{Finish, Optics, Reflectance};
 use crate::picture::place;
 use crate::sampling::stream::Stream;
 use crate::scene::{Answer, Scene};
@@ -51,6 +52,8 @@ pub struct Whitted<'a, 'r, R: Recorder> {
     /// Transparent objects that this batch's rays have been in.
     pub(super) media: Media,
     pub(super) nodes: Nodes<R::Id>,
+    /// Whether nothing outside of all objects weakens light.
+    pub(super) clear: bool,
     memory: Memory,
     /// Rays to be cast, the next ones last, and what is known of each.
     next: Rays,
@@ -61,16 +64,16 @@ pub struct Whitted<'a, 'r, R: Recorder> {
 
 /// A ray to be cast.
 #[derive(Clone, Copy)]
-struct Follow<I> {
-    way: Way<I>,
+pub(super) struct Follow<I> {
+    pub way: Way<I>,
     /// Secondary bounces so far.
     depth: u32,
     /// The largest lane of the product of all weights so far.
     throughput: f64,
-    stream: Stream,
+    pub stream: Stream,
 }
 
-/// A point that a ray met, on its way through a round.
+/// A point that a ray met, by itself.
 pub(super) struct Met<'a, I> {
     pub point: Point<'a>,
     pub way: Way<I>,
@@ -99,6 +102,7 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
             recorder,
             media: Media::new(scene.surroundings.ior),
             nodes: Nodes::new(0),
+            clear: scene.fog.is_none() && scene.surroundings.is_clear(),
             memory,
             next,
             legs: Vec::with_capacity(ROUND),
@@ -139,7 +143,7 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
 
     /// Follows all rays to their ends; false if cancelled meanwhile.
     fn run(&mut self, cancel: &AtomicBool) -> bool {
-        let mut round = Round { met: Vec::new(), legs: Vec::new() };
+        let mut round = Round { finishes: Vec::new(), legs: Vec::new() };
         let mut memory = std::mem::take(&mut self.memory);
         let mut complete = true;
         while complete && !self.legs.is_empty() {
@@ -153,8 +157,7 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
 
     /// Casts the rays that came last, and shades what they meet.
     fn round(&mut self, round: &mut Round<'a, R::Id>, memory: &mut Memory) {
-        let scene = self.scene;
-        let Memory { rays, found, answers, light, .. } = memory;
+        let Memory { rays, found, fronts, answers, light, .. } = memory;
         self.next.take_last(ROUND, rays);
         round.legs.clear();
         if self.next.is_empty() {
@@ -162,44 +165,177 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
         } else {
             round.legs.extend(self.legs.drain(self.next.len()..));
         }
-        scene.world.closest_of_rays(rays, found);
-        let mut met = std::mem::take(&mut round.met);
-        met.reserve(round.legs.len());
-        for (i, leg) in round.legs.iter().enumerate() {
-            let rays = &rays.bundles()[i / LANES];
-            let hit = found[i / LANES].best(i);
-            let (media, inside) = (&self.media, leg.way.inside);
-            let resolved = hit.and_then(|hit| {
-                let query = || rays.query(i);
-                resolve(scene, media, &rays.ray(i), query, hit, inside, answers)
-            });
-            match resolved {
-                Some((hit, shading)) => {
-                    let query = rays.query(i);
-                    let point = Point::new(&query.ray, hit, shading, query.departure().as_ref());
-                    met.push(self.meet(point, leg));
-                }
-                None => {
-                    let value = scene.background.radiance(rays.ray(i).direction);
-                    self.recorder.term(leg.way.id, "background", value, || (None, json!({})));
-                    self.deliver(leg.way, value, f64::INFINITY);
-                }
-            }
+        self.scene.world.closest_of_rays(rays, found);
+        let Round { finishes, legs } = round;
+        let count = found.len();
+        finishes.resize_with(count.max(finishes.len()), Default::default);
+        if fronts.len() < count {
+            fronts.resize(count, Front::EMPTY);
         }
-        self.light(&mut met, light);
-        for met in &mut met {
-            self.scatter(met);
+        light.lit.begin(count);
+        let lit = light.lit.parts();
+        for (at, legs) in legs.chunks_mut(LANES).enumerate() {
+            let (front, finishes) = (&mut fronts[at], &mut finishes[at]);
+            let (starts, block) = (&mut lit.rays[at], &mut lit.blocks[at]);
+            let mut own =
+                Sixteen { rays: &rays.bundles()[at], found: &mut found[at], front, starts, block };
+            self.meet(&mut own, legs, finishes, answers);
+            lit.live[at] = self.look(&mut own, legs, finishes);
         }
-        for met in met.drain(..) {
-            if let Answer::Here(answer) = met.point.finish {
-                answers.push(answer);
-            }
+        self.light(&mut Points { finishes, legs }, light);
+        let lit = light.lit.parts();
+        for (at, legs) in legs.chunks(LANES).enumerate() {
+            let (front, finishes) = (&mut fronts[at], &mut finishes[at]);
+            let (starts, block) = (&mut lit.rays[at], &mut lit.blocks[at]);
+            let own =
+                Sixteen { rays: &rays.bundles()[at], found: &mut found[at], front, starts, block };
+            self.scatter(&own, legs, finishes, answers);
         }
-        round.met = met;
     }
 
-    /// Casts a further ray and returns true. Rays whose weight is too small to matter by the scene's setting
-    /// are not cast.
+    /// Finds out what sixteen rays met, and which way it faces.
+    #[inline(always)]
+    fn meet(
+        &mut self,
+        own: &mut Sixteen,
+        legs: &[Follow<R::Id>],
+        finishes: &mut [Option<Answer<'a>>; LANES],
+        answers: &mut Spare,
+    ) {
+        let Sixteen { rays, found, front, starts, block } = own;
+        let (scene, media) = (self.scene, &self.media);
+        front.clear();
+        for lane in lanes(found.hit) {
+            let Some(hit) = found.best(lane) else { continue };
+            let (query, inside) = (|| rays.query(lane), legs[lane].way.inside);
+            let met = resolve(scene, media, &rays.ray(lane), query, hit, inside, answers);
+            if let Some((hit, shading)) = met {
+                (found.ids[lane], found.t[lane]) = (hit.id, hit.t);
+                front.set(lane, &shading.surface, starts);
+                finishes[lane] = Some(shading.finish);
+            }
+        }
+        for (lane, leg) in legs.iter().enumerate() {
+            if front.met & 1 << lane == 0 {
+                let value = scene.background.radiance(rays.ray(lane).direction);
+                self.recorder.term(leg.way.id, "background", value, || (None, json!({})));
+                self.deliver(leg.way, value, f64::INFINITY);
+            }
+        }
+        front.turn(rays, found, starts, block);
+    }
+
+    /// Finds out what the materials of sixteen points answer, and what their optics need before they are lit; returns
+    /// those that are to be lit.
+    #[inline(always)]
+    fn look(
+        &mut self,
+        own: &mut Sixteen,
+        legs: &mut [Follow<R::Id>],
+        finishes: &[Option<Answer<'a>>; LANES],
+    ) -> u16 {
+        let scene = self.scene;
+        let Sixteen { rays, found, front, starts, block } = own;
+        let met = front.met;
+        block.power = Power::None;
+        let first = finishes[met.trailing_zeros() as usize % LANES].as_ref();
+        let alike = first.is_some_and(|first| {
+            lanes(met)
+                .all(|lane| finishes[lane].as_ref().is_some_and(|f| std::ptr::eq(&**f, &**first)))
+        });
+        let mut glow = Spectrum::ZERO;
+        let mut live = 0;
+        for lane in lanes(met) {
+            let (bit, leg) = (1 << lane, &mut legs[lane]);
+            let Some(answer) = &finishes[lane] else { continue };
+            let finish: &Finish = answer;
+            let id = found.ids[lane];
+            if let Above::Sample(sample) = leg.way.above {
+                self.radiances[sample as usize].first = FirstHit {
+                    object: scene.layer_id(id),
+                    depth: found.t[lane],
+                    normal: block.normal(lane),
+                    albedo: finish.base,
+                };
+            }
+            if R::ENABLED {
+                let medium = self.media.top(leg.way.inside);
+                let point = front.point(lane, (rays, found), (starts, block), answer.clone());
+                self.recorder.hit(leg.way.id, || record(scene, &point, leg.depth, medium));
+            }
+            let outside = || {
+                let solid = scene.world.shape(id.object).is_some_and(|shape| shape.is_solid());
+                front.outside & bit != 0 || !solid
+            };
+            let at_limit = leg.depth >= scene.settings.bounces;
+            let mut alpha = 0.0;
+            let wants_own = match finish.optics {
+                Optics::Opaque => true,
+                Optics::Layered(layers) => {
+                    alpha = layers.mirror_alpha();
+                    layers.clear() == 0.0 || outside()
+                }
+                Optics::Mirror { roughness, .. } => {
+                    alpha = roughness;
+                    true
+                }
+                Optics::Shares { .. } if at_limit => true,
+                Optics::Shares { own, .. } => own > 0.0 && outside(),
+                // Glass has nothing of its own to show but highlights, and those on its outside.
+                Optics::Dielectric { .. } => outside(),
+            };
+            if at_limit || matches!(finish.optics, Optics::Opaque) {
+                front.ends |= bit;
+            } else if alpha > 0.0 {
+                let (normal, direction) = (block.normal(lane), rays.ray(lane).direction);
+                let facet = facet_for(normal, direction, alpha, &mut leg.stream);
+                put(&mut front.facet, lane, facet);
+                front.rough |= bit;
+            } else if matches!(finish.optics, Optics::Mirror { .. }) {
+                front.mirrors |= bit;
+            }
+            let mut value = Spectrum::ZERO;
+            if wants_own {
+                front.own |= bit;
+                value = self.glow(leg.way.id, finish);
+                if finish.diffuse != Spectrum::ZERO || finish.highlight.is_some() {
+                    live |= bit;
+                }
+            }
+            if !alike {
+                block.set(lane, finish, value);
+            }
+            glow = value;
+        }
+        if let Some(finish) = first.filter(|_| alike) {
+            block.set_all(finish, glow);
+        }
+        front.mirror(rays, block);
+        live
+    }
+
+    /// The throughput of a further ray, which is counted; nothing where its weight is too small to matter by the scene's
+    /// setting.
+    #[inline(always)]
+    fn goes_on(&mut self, before: f64, id: R::Id, kind: RayKind, weight: Spectrum) -> Option<f64> {
+        let throughput = before * weight.max_element();
+        if !(throughput > 0.0) || throughput < self.scene.settings.min_contribution {
+            self.recorder.also(
+                id,
+                "not_followed",
+                || json!({"kind": kind, "weight": weight.to_array()}),
+            );
+            return None;
+        }
+        match kind {
+            RayKind::Camera => self.counts.camera += 1,
+            RayKind::Reflected => self.counts.reflect += 1,
+            RayKind::Transmitted => self.counts.refract += 1,
+        }
+        Some(throughput)
+    }
+
+    /// Casts a further ray, but for one that does not matter.
     pub(super) fn follow(
         &mut self,
         met: &Met<R::Id>,
@@ -210,20 +346,7 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
         inside: Inside,
     ) {
         let id = met.way.id;
-        let throughput = met.throughput * weight.max_element();
-        if !(throughput > 0.0) || throughput < self.scene.settings.min_contribution {
-            self.recorder.also(
-                id,
-                "not_followed",
-                || json!({"kind": kind, "weight": weight.to_array()}),
-            );
-            return;
-        }
-        match kind {
-            RayKind::Camera => self.counts.camera += 1,
-            RayKind::Reflected => self.counts.reflect += 1,
-            RayKind::Transmitted => self.counts.refract += 1,
-        }
+        let Some(throughput) = self.goes_on(met.throughput, id, kind, weight) else { return };
         let below = self.recorder.begin(Some((id, slot)), kind, &leg.ray);
         self.nodes[met.node].waiting += 1;
         let way = Way { id: below, above: Above::Node(met.node, slot), weight, inside };
@@ -232,54 +355,84 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
         self.legs.push(Follow { way, depth: met.depth + 1, throughput, stream });
     }
 
-    /// A point that was met, and what its optics need before it is lit.
+    /// Sends the rays that go on from sixteen points whose own colours are known.
     #[inline(always)]
-    fn meet(&mut self, point: Point<'a>, leg: &Follow<R::Id>) -> Met<'a, R::Id> {
-        let Follow { way, depth, throughput, mut stream } = *leg;
-        let scene = self.scene;
-        if let Above::Sample(sample) = way.above {
-            self.radiances[sample as usize].first = point.first_hit(scene);
+    fn scatter(
+        &mut self,
+        own: &Sixteen,
+        legs: &[Follow<R::Id>],
+        finishes: &mut [Option<Answer<'a>>; LANES],
+        answers: &mut Spare,
+    ) {
+        let Sixteen { rays, found, front, starts, block } = own;
+        for lane in lanes(front.met) {
+            let (bit, leg) = (1 << lane, &legs[lane]);
+            let Some(finish) = finishes[lane].take() else { continue };
+            let value = get(&block.own, lane);
+            if front.ends & bit != 0 {
+                if R::ENABLED && !matches!(finish.optics, Optics::Opaque) {
+                    let limit = || json!(self.scene.settings.bounces);
+                    self.recorder.note(leg.way.id, "bounce_limit", limit);
+                }
+                self.deliver(leg.way, value, found.t[lane]);
+            } else if let (true, Optics::Mirror { reflect, covers, .. }) =
+                (front.mirrors & bit != 0, &finish.optics)
+            {
+                self.mirror(own, lane, leg, (reflect, *covers), value);
+            } else {
+                let point = front.point(lane, (rays, found), (starts, block), finish);
+                let (facet, wants_own) = (front.facet(lane, block), front.own & bit != 0);
+                let mut met = Met::new(point, leg, facet, (wants_own, value));
+                self.split(&mut met);
+                if let Answer::Here(answer) = met.point.finish {
+                    answers.push(answer);
+                }
+                continue;
+            }
+            if let Answer::Here(answer) = finish {
+                answers.push(answer);
+            }
         }
-        let medium = self.media.top(way.inside);
-        self.recorder.hit(way.id, || record(scene, &point, depth, medium));
-        let mut facet = point.normal;
-        let solid = || point.is_solid(scene);
-        let at_limit = depth >= scene.settings.bounces;
-        let wants_own = match point.finish.optics {
-            Optics::Opaque => true,
-            Optics::Layered(layers) => {
-                if !at_limit {
-                    facet = facet_for(&point, layers.mirror_alpha(), &mut stream);
-                }
-                point.outside || layers.clear() == 0.0 || !solid()
-            }
-            Optics::Mirror { roughness, .. } => {
-                if !at_limit {
-                    facet = facet_for(&point, roughness, &mut stream);
-                }
-                true
-            }
-            Optics::Shares { .. } if at_limit => true,
-            Optics::Shares { own, .. } => (point.outside || !solid()) && own > 0.0,
-            // Glass has nothing of its own to show but highlights, and those on its outside.
-            Optics::Dielectric { .. } => point.outside || !solid(),
-        };
-        let own = Spectrum::ZERO;
-        Met { point, way, depth, throughput, stream, node: u32::MAX, wants_own, own, facet }
     }
 
-    /// Sends the rays that go on from a point whose own colour is known.
-    fn scatter(&mut self, met: &mut Met<R::Id>) {
-        let id = met.way.id;
-        if matches!(met.point.finish.optics, Optics::Opaque) {
-            self.deliver(met.way, met.own, met.point.hit.t);
-            return;
+    /// Sends the one ray that is mirrored at a smooth surface.
+    #[inline(always)]
+    fn mirror(
+        &mut self,
+        of: &Sixteen,
+        lane: usize,
+        leg: &Follow<R::Id>,
+        (reflect, covers): (&Reflectance, bool),
+        mut own: Spectrum,
+    ) {
+        let id = leg.way.id;
+        let weight = reflect.at(of.block.facing[lane % LANES]);
+        if covers {
+            // Lacquer: what is mirrored never reaches the colour below.
+            own *= Spectrum::ONE - weight;
+            self.recorder.scale(id, "coat", Spectrum::ONE - weight);
         }
-        if met.depth >= self.scene.settings.bounces {
-            self.recorder.note(id, "bounce_limit", || json!(self.scene.settings.bounces));
-            self.deliver(met.way, met.own, met.point.hit.t);
+        let distance = of.found.t[lane % LANES];
+        let Some(throughput) = self.goes_on(leg.throughput, id, RayKind::Reflected, weight) else {
+            self.deliver(leg.way, own, distance);
             return;
-        }
+        };
+        let direction = get(&of.front.mirrored, lane);
+        let below = if R::ENABLED {
+            let ray = Ray { direction, ..of.starts.ray(lane) };
+            self.recorder.begin(Some((id, 0)), RayKind::Reflected, &ray)
+        } else {
+            id
+        };
+        let node = self.nodes.add(leg.way, distance);
+        (self.nodes[node].own, self.nodes[node].waiting) = (own, 1);
+        let way = Way { id: below, above: Above::Node(node, 0), weight, inside: leg.way.inside };
+        self.next.push_lane(of.starts, lane, direction, f64::INFINITY);
+        self.legs.push(Follow { way, depth: leg.depth + 1, throughput, stream: leg.stream });
+    }
+
+    /// Sends the rays that go on from a point by itself.
+    fn split(&mut self, met: &mut Met<R::Id>) {
         met.node = self.nodes.add(met.way, met.point.hit.t);
         match met.point.finish.optics {
             Optics::Opaque => {}
@@ -288,9 +441,8 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
                 let weight = reflect.at(-point.ray.direction.dot(met.facet));
                 let mut own = met.own;
                 if covers {
-                    // Lacquer: what is mirrored never reaches the colour below.
                     own *= Spectrum::ONE - weight;
-                    self.recorder.scale(id, "coat", Spectrum::ONE - weight);
+                    self.recorder.scale(met.way.id, "coat", Spectrum::ONE - weight);
                 }
                 self.nodes[met.node].own = own;
                 let leg = point.back(point.mirrored(met.facet));
@@ -310,6 +462,24 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
         }
         self.settle(met.node);
     }
+}
+
+impl<'a, I: Copy> Met<'a, I> {
+    fn new(point: Point<'a>, leg: &Follow<I>, facet: DVec3, own: (bool, Spectrum)) -> Self {
+        let Follow { way, depth, throughput, stream } = *leg;
+        let ((wants_own, own), node) = (own, u32::MAX);
+        Self { point, way, depth, throughput, stream, node, wants_own, own, facet }
+    }
+}
+
+/// Sixteen rays of a round, and what they met.
+struct Sixteen<'r> {
+    rays: &'r Bundle,
+    found: &'r mut Found,
+    front: &'r mut Front,
+    /// Where further rays begin.
+    starts: &'r mut Bundle,
+    block: &'r mut Block,
 }
 
 impl Whitted<'_, '_, Silent> {
@@ -341,7 +511,8 @@ impl Whitted<'_, '_, Silent> {
 
 /// Memory that the rounds of a batch use again.
 struct Round<'a, I> {
-    met: Vec<Met<'a, I>>,
+    /// What the materials answer at the points that rays met.
+    finishes: Vec<[Option<Answer<'a>>; LANES]>,
     legs: Vec<Follow<I>>,
 }
 
@@ -353,6 +524,7 @@ struct Memory {
     /// The rays of a round, and what they hit.
     rays: Rays,
     found: Vec<Found>,
+    fronts: Vec<Front>,
     /// Boxes for answers of materials with patterns.
     answers: Spare,
     light: Scratch,
@@ -363,10 +535,6 @@ thread_local! {
 }
 
 /// The normal of the facet that a sample meets: the surface's own where it is smooth.
-pub(super) fn facet_for(point: &Point, alpha: f64, stream: &mut Stream) -> DVec3 {
-    if alpha > 0.0 {
-        facet_normal(point.normal, point.ray.direction, alpha, stream.next_2d())
-    } else {
-        point.normal
-    }
+pub(super) fn facet_for(normal: DVec3, direction: DVec3, alpha: f64, stream: &mut Stream) -> DVec3 {
+    if alpha > 0.0 { facet_normal(normal, direction, alpha, stream.next_2d()) } else { normal }
 }
