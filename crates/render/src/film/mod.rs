@@ -125,6 +125,20 @@ impl Film {
         Some((self.pixels.get_mut(index)?, first))
     }
 
+    /// A row of `width` pixels from a place on, and what their camera rays hit first, where that is kept; `None` where the film does
+    /// not have all of them.
+    pub(crate) fn row_mut(
+        &mut self,
+        x: u32,
+        y: u32,
+        width: u32,
+    ) -> Option<(&mut [FilmPixel], Option<&mut [FirstSums]>)> {
+        let last = x.checked_add(width.checked_sub(1)?)?;
+        let own = self.region.index(x, y)?..self.region.index(last, y)? + 1;
+        let firsts = self.firsts.as_mut().and_then(|firsts| firsts.get_mut(own.clone()));
+        Some((self.pixels.get_mut(own)?, firsts))
+    }
+
     /// All of them.
     pub(crate) fn all_mut(&mut self) -> (&mut [FilmPixel], Option<&mut [FirstSums]>) {
         (&mut self.pixels, self.firsts.as_deref_mut())

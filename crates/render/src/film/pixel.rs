@@ -24,6 +24,7 @@ const FINISHED: u32 = 1 << 31;
 
 impl FilmPixel {
     /// One sample.
+    #[inline(always)]
     #[must_use]
     pub fn of(weight: f64, radiance: &Radiance) -> Self {
         Self {

@@ -193,7 +193,8 @@ impl Kernel for Mirror<'_> {
     fn run(self) -> u16 {
         let Self { rays, block, out } = self;
         let (d, n) = (&rays.direction, &block.normal);
-        let (mut along, mut square, mut side) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        let (mut along, mut square) = ([0.0; LANES], [0.0; LANES]);
+        let (mut length, mut side) = ([0.0; LANES], [0.0; LANES]);
         dot(d, n, &mut along);
         for axis in 0..3 {
             for i in 0..LANES {
@@ -203,10 +204,11 @@ impl Kernel for Mirror<'_> {
         let [x, y, z] = &*out;
         for i in 0..LANES {
             square[i] = x[i] * x[i] + y[i] * y[i] + z[i] * z[i];
+            length[i] = square[i].sqrt();
         }
         for out in out.iter_mut() {
             for i in 0..LANES {
-                out[i] /= square[i].sqrt();
+                out[i] /= length[i];
             }
         }
         dot(out, &block.geometric, &mut side);

@@ -58,6 +58,12 @@ impl Media {
         Self { nested: Vec::new(), around }
     }
 
+    /// Whether nothing was entered so far.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.nested.is_empty()
+    }
+
     /// The innermost medium.
     #[must_use]
     pub fn top(&self, inside: Inside) -> Option<&Medium> {

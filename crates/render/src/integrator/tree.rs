@@ -60,20 +60,22 @@ impl<I: Copy> Nodes<I> {
         Self { nodes: Vec::with_capacity(room), free: Vec::new() }
     }
 
-    /// A ray that causes others; nothing of it is known yet but what it went through.
-    pub fn add(&mut self, way: Way<I>, distance: f64) -> u32 {
-        let node =
-            Node { way, own: Spectrum::ZERO, waiting: 0, below: [Spectrum::ZERO; 2], distance };
-        match self.free.pop() {
-            Some(index) => {
-                self.nodes[index as usize] = node;
-                index
-            }
-            None => {
-                self.nodes.push(node);
-                self.nodes.len() as u32 - 1
-            }
-        }
+    /// A ray that causes others; nothing of it is known yet but what it shows by itself and what it went through.
+    #[inline(always)]
+    pub fn add(&mut self, way: &Way<I>, own: Spectrum, waiting: u8, distance: f64) -> u32 {
+        let below = [Spectrum::ZERO; 2];
+        let Some(index) = self.free.pop() else {
+            self.nodes.push(Node { way: *way, own, waiting, below, distance });
+            return self.nodes.len() as u32 - 1;
+        };
+        // One by one: what is put together elsewhere and copied as a whole makes the processor wait.
+        let node = &mut self.nodes[index as usize];
+        node.way.id = way.id;
+        node.way.above = way.above;
+        node.way.weight = way.weight;
+        node.way.inside = way.inside;
+        (node.own, node.waiting, node.below, node.distance) = (own, waiting, below, distance);
+        index
     }
 
     /// Gives the place of a node that is done to the next one.

@@ -204,13 +204,16 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
     ) {
         let Sixteen { rays, found, front, starts, block } = own;
         let (scene, media) = (self.scene, &self.media);
+        let certain = !scene.has_holes && media.is_empty();
         front.clear();
         for lane in lanes(found.hit) {
             let Some(hit) = found.best(lane) else { continue };
             let (query, inside) = (|| rays.query(lane), legs[lane].way.inside);
             let met = resolve(scene, media, &rays.ray(lane), query, hit, inside, answers);
             if let Some((hit, shading)) = met {
-                (found.ids[lane], found.t[lane]) = (hit.id, hit.t);
+                if !certain {
+                    (found.ids[lane], found.t[lane]) = (hit.id, hit.t);
+                }
                 front.set(lane, &shading.surface, starts);
                 finishes[lane] = Some(shading.finish);
             }
@@ -424,8 +427,7 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
         } else {
             id
         };
-        let node = self.nodes.add(leg.way, distance);
-        (self.nodes[node].own, self.nodes[node].waiting) = (own, 1);
+        let node = self.nodes.add(&leg.way, own, 1, distance);
         let way = Way { id: below, above: Above::Node(node, 0), weight, inside: leg.way.inside };
         self.next.push_lane(of.starts, lane, direction, f64::INFINITY);
         self.legs.push(Follow { way, depth: leg.depth + 1, throughput, stream: leg.stream });
@@ -433,7 +435,7 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
 
     /// Sends the rays that go on from a point by itself.
     fn split(&mut self, met: &mut Met<R::Id>) {
-        met.node = self.nodes.add(met.way, met.point.hit.t);
+        met.node = self.nodes.add(&met.way, Spectrum::ZERO, 0, met.point.hit.t);
         match met.point.finish.optics {
             Optics::Opaque => {}
             Optics::Mirror { reflect, covers, .. } => {

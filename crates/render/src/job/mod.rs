@@ -207,21 +207,28 @@ impl State {
     /// Stores the first samples of a tile, and which of its pixels want more.
     fn store(&mut self, region: Region, tile: &Sampled, wanted: Vec<Wanted>, control: &Control) {
         let Region { x, y, width, height } = region;
-        let width = width as usize;
-        for row in 0..height as usize {
-            let own = row * width..(row + 1) * width;
+        for row in 0..height {
+            let own = row as usize * width as usize..(row as usize + 1) * width as usize;
             let (Some(pixels), Some(complete)) =
                 (tile.pixels.get(own.clone()), tile.complete.get(own.clone()))
             else {
                 continue;
             };
             let firsts = tile.firsts.get(own).unwrap_or_default();
-            self.progress.done += complete.iter().filter(|complete| **complete).count() as u64;
-            // Tiles of what is around the film may stick out of it.
+            let done = complete.iter().filter(|complete| **complete).count();
+            self.progress.done += done as u64;
+            if done == pixels.len()
+                && let Some((slots, first_slots)) = self.film.row_mut(x, y + row, width)
+            {
+                slots.copy_from_slice(pixels);
+                first_slots.into_iter().flatten().zip(firsts).for_each(|(slot, new)| *slot = *new);
+                continue;
+            }
+            // Tiles of what is around the film may stick out of it, and some pixels may be cut off.
             for (column, (pixel, _)) in
                 pixels.iter().zip(complete).enumerate().filter(|(_, (_, complete))| **complete)
             {
-                let slots = self.film.slots(x + column as u32, y + row as u32);
+                let slots = self.film.slots(x + column as u32, y + row);
                 if let Some((slot, first)) = slots {
                     *slot = *pixel;
                     first.into_iter().zip(firsts.get(column)).for_each(|(slot, new)| *slot = *new);

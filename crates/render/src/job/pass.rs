@@ -72,8 +72,7 @@ pub(super) fn sample_tile(
     control: &Control,
 ) -> Sampled {
     let count = tile.area() as usize;
-    let places = blocks(&tile).into_iter().filter_map(|[x, y]| Some((tile.index(x, y)?, [x, y])));
-    let places = places.filter(|(pixel, _)| wanted(*pixel));
+    let places = blocks(&tile).into_iter().filter(|(pixel, _)| wanted(*pixel));
     let mut new = FilmPixel::default();
     new.set_finished(true);
     let firsts = if control.layers { vec![FirstSums::default(); count] } else { Vec::new() };
@@ -122,15 +121,16 @@ pub(super) fn sample(
     work.finish()
 }
 
-/// The pixels of a tile, block by block.
-pub(super) fn blocks(tile: &Region) -> Vec<[u32; 2]> {
+/// The pixels of a tile, block by block: their numbers in the tile, and where they are.
+pub(super) fn blocks(tile: &Region) -> Vec<(usize, [u32; 2])> {
     let mut pixels = Vec::with_capacity(tile.area() as usize);
     let ends = |start: u32, length: u32| (start + BLOCK).min(length);
     for top in (0..tile.height).step_by(BLOCK as usize) {
         for left in (0..tile.width).step_by(BLOCK as usize) {
             for row in top..ends(top, tile.height) {
                 for column in left..ends(left, tile.width) {
-                    pixels.push([tile.x + column, tile.y + row]);
+                    let number = row as usize * tile.width as usize + column as usize;
+                    pixels.push((number, [tile.x + column, tile.y + row]));
                 }
             }
         }
@@ -169,9 +169,19 @@ impl Work<'_> {
             let cancel = &self.control.cancel;
             self.shoot.shoot(&self.shots, &mut self.rays, cancel, &mut self.radiances);
         }
+        let only = self.wanted == 1 && self.firsts.is_empty() && self.summaries.is_empty();
         for ((shot, radiance), &pixel) in
             self.shots.iter().zip(&self.radiances).zip(&self.pixels_of)
         {
+            let base = &mut self.base[pixel];
+            if only && base.count() == 0 {
+                // What it comes to, without a sum.
+                let finished = base.is_finished();
+                *base = FilmPixel::of(shot.sample.weight, radiance);
+                base.set_finished(finished);
+                self.added[pixel] = 1;
+                continue;
+            }
             if self.added[pixel] == 0 {
                 self.sum.start(self.first, &self.base[pixel], self.firsts.get(pixel));
             }

@@ -43,10 +43,9 @@ pub(super) fn choose_within(
     for ((pixel, wanted), place) in sampled.pixels.iter_mut().zip(&wanted).zip(tile.pixels()) {
         pixel.set_finished(!wanted && !is_outer(side, place));
     }
-    let found = blocks(tile).into_iter().filter_map(|[x, y]| {
-        let i = tile.index(x, y)?;
-        (*wanted.get(i)?).then_some(([x, y], *sampled.summaries.get(i)?))
-    });
+    let found = blocks(tile)
+        .into_iter()
+        .filter_map(|(i, place)| (*wanted.get(i)?).then_some((place, *sampled.summaries.get(i)?)));
     found.collect()
 }
 

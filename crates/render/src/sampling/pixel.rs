@@ -23,6 +23,7 @@ pub struct PixelSample {
 
 /// Sample `index` of a pixel (column, row) of the full picture, and the numbers for the rest of its
 /// way, of which the first two are for the lens. Depends on nothing but the settings and these.
+#[inline(always)]
 #[must_use]
 pub fn pixel_sample(
     settings: &RenderSettings,
@@ -30,7 +31,13 @@ pub fn pixel_sample(
     index: u32,
 ) -> (PixelSample, Stream) {
     let mut stream = Stream::new(settings.antialias, pixel, index, settings.seed);
-    let (offset, weight) = offset(settings, pixel, index, &mut stream);
+    let RenderSettings { antialias, filter, filter_radius, .. } = settings;
+    let plain = *filter == Filter::Box && *filter_radius == 0.5;
+    let (offset, weight) = if *antialias == Antialias::None && plain {
+        ([0.5; 2], 1.0)
+    } else {
+        offset(settings, pixel, index, &mut stream)
+    };
     let [x, y] = [0, 1].map(|axis| f64::from(pixel[axis]) + offset[axis]);
     (PixelSample { x, y, weight }, stream)
 }
@@ -46,6 +53,7 @@ pub fn pixel_weights(settings: &RenderSettings, pixel: [u32; 2], count: u32) -> 
 }
 
 /// The place of a sample relative to the pixel's top left corner, and its weight.
+#[inline(never)]
 fn offset(
     settings: &RenderSettings,
     pixel: [u32; 2],

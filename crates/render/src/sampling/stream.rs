@@ -27,6 +27,7 @@ enum Kind {
 impl Stream {
     /// The numbers of sample `sample` of a pixel of the full picture: random for
     /// [`Antialias::Jitter`], Sobol's for all others.
+    #[inline(always)]
     #[must_use]
     pub fn new(sampler: Antialias, pixel: [u32; 2], sample: u32, seed: u64) -> Self {
         let kind = if sampler == Antialias::Jitter { Kind::Random } else { Kind::Sobol };
