@@ -237,3 +237,50 @@ fn points_side_by_side_are_points_one_by_one() {
         }
     }
 }
+
+/// Neighbouring pixels complete each other: means over 2 x 2 pixels are nearer to the truth than they would be if pixels knew
+/// nothing of each other, and single pixels are no worse.
+#[test]
+fn errors_of_neighbouring_pixels_cancel() {
+    let text = |samples: u32, seed: u64| {
+        format!(
+            "{}camera(eye = (0, 2, 6), look_at = (0, 0.6, 0), fov = 40)\n\
+             rectangle((-3, 0, 3), (6, 0, 0), (0, 0, -6), material = matte(0.7))\n\
+             rectangle((-3, 0, -2), (6, 0, 0), (0, 4, 0), material = matte(0.5))\n\
+             rectangle((-1, 3, 0), (2, 0, 0), (0, 0, 2), material = glow(4))\n",
+            paths(32, samples, &format!(", bounces = 2, seed = {seed}"))
+        )
+    };
+    let picture = |samples: u32, seed: u64| -> Vec<f64> {
+        film(&scene(&text(samples, seed)), 2).pixels().iter().map(|p| p.linear().x).collect()
+    };
+    let truth = picture(1024, 99);
+    for samples in [1, 4, 12] {
+        let all: Vec<_> = (0..4).map(|seed| picture(samples, seed)).collect();
+        // Of four pictures one with four independent pixels in each block.
+        let apart = |shift: usize| -> Vec<f64> {
+            let from = |i: usize| (i % 2 + i / 32 % 2 * 2 + shift) % 4;
+            (0..truth.len()).map(|i| all[from(i)][i]).collect()
+        };
+        let error = |picture: &[f64], blocks: bool| -> f64 {
+            let off = |i: usize| picture[i] - truth[i];
+            let corners = (0..truth.len()).filter(|i| i % 2 == 0 && i / 32 % 2 == 0);
+            match blocks {
+                false => (0..truth.len()).map(|i| off(i) * off(i)).sum(),
+                true => {
+                    let sum = |i: usize| off(i) + off(i + 1) + off(i + 32) + off(i + 33);
+                    corners.map(|i| sum(i) * sum(i)).sum()
+                }
+            }
+        };
+        let ratio = |blocks: bool| -> f64 {
+            let own: f64 = all.iter().map(|p| error(p, blocks)).sum();
+            let others: f64 = (0..4).map(|shift| error(&apart(shift), blocks)).sum();
+            own / others
+        };
+        println!("{samples} samples: {:.3} of blocks, {:.3} of pixels", ratio(true), ratio(false));
+        assert!(ratio(true) < 0.75, "{samples}: {}", ratio(true));
+        // The same pixels in another order.
+        assert!((ratio(false) - 1.0).abs() < 1e-9);
+    }
+}

@@ -258,6 +258,38 @@ mod tests {
     }
 
     #[test]
+    fn directions_are_found_as_often_as_their_lobes_say() {
+        let guide = Guide::new(&photons(500)).unwrap();
+        for (i, point) in [DVec3::ZERO, DVec3::new(0.31, 0.01, -0.2)].into_iter().enumerate() {
+            let aim = guide.aim(point).unwrap();
+            // By where a direction meets the lens, a square of side 0.4 about what is seen most.
+            let (middle, side, height) = (point * 0.3, 0.4, 1.0 - point.y);
+            let way = |[a, b]: [f64; 2]| {
+                let off = DVec3::new(a - 0.5, 0.0, b - 0.5) * side;
+                DVec3::new(middle.x - point.x, height, middle.z - point.z) + off
+            };
+            let verdict = crate::statistics::judge(
+                [16, 16],
+                [24, 24],
+                |at| {
+                    let way = way(at);
+                    let per_angle = height * side * side / (way.length() * way.length_squared());
+                    aim.density(way.normalize()) * per_angle
+                },
+                |r| {
+                    let (d, _) = aim.sample(r.unit(), [r.unit(), r.unit()])?;
+                    let met = point + d * (height / d.y) - middle;
+                    let at = [met.x, met.z].map(|x| x / side + 0.5);
+                    let there = d.y > 0.0 && at.iter().all(|x| (0.0..1.0).contains(x));
+                    there.then_some(at)
+                },
+                60 + i as u64,
+            );
+            verdict.check(&format!("from {point}"), 2);
+        }
+    }
+
+    #[test]
     fn where_no_photon_came_nothing_is_said() {
         let guide = Guide::new(&photons(300)).unwrap();
         assert!(guide.aim(DVec3::new(5.0, 0.0, 0.0)).is_none());

@@ -35,6 +35,8 @@ pub mod sampling;
 pub mod scene;
 pub mod setting;
 pub mod source;
+#[cfg(test)]
+mod statistics;
 pub mod stats;
 pub mod texture;
 pub mod vocabulary;

@@ -161,6 +161,38 @@ mod tests {
     }
 
     #[test]
+    fn wavelengths_are_picked_as_often_as_they_count() {
+        for (i, hint) in [0.0, 0.45, 0.7].into_iter().enumerate() {
+            let throughput = Spectrum::new(0.9, 0.3, 0.5);
+            let chances = (throughput / 1.7).to_array();
+            let span = COUNT as f64 + 2.0 * NEAR;
+            let nm = |a: f64| FIRST - NEAR + a * span;
+            // What multiplies a lane is what the lane has of the wavelength over the density of the choice.
+            let verdict = crate::statistics::judge(
+                [70, 1],
+                [500, 1],
+                |[a, _]| {
+                    let place = (nm(a) - FIRST) as usize;
+                    let inside = nm(a) >= FIRST && place < COUNT;
+                    let lanes = if inside { LANES.density[place] } else { [0.0; 3] };
+                    let own: f64 = (0..3).map(|lane| chances[lane] * lanes[lane]).sum();
+                    let hinted = if hint > 0.0 { HINTED } else { 0.0 };
+                    let near = (nm(a) - 1e3 * hint).abs() <= NEAR;
+                    let near = if near { hinted / (2.0 * NEAR) } else { 0.0 };
+                    ((1.0 - hinted) * own + near) * span
+                },
+                |r| {
+                    let (wavelength, weight) = pick(throughput, hint, r.unit());
+                    assert!(weight.is_finite());
+                    Some([(wavelength * 1e3 - nm(0.0)) / span, 0.5])
+                },
+                3 + i as u64,
+            );
+            verdict.check(&format!("hint {hint}"), 3);
+        }
+    }
+
+    #[test]
     fn hints_change_no_mean() {
         for hint in [0.39, 0.45, 0.58, 0.7] {
             let n = 100_000;

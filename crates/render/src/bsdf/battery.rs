@@ -6,6 +6,7 @@ use dioptric_math::{DVec3, Spectrum};
 
 use super::testing::{self, Case, cases, directions};
 use super::{Bsdf, BsdfSample};
+use crate::statistics::sidak;
 
 /// Samples of one pair of surface and direction.
 const SAMPLES: u32 = if cfg!(debug_assertions) { 2_000 } else { 20_000 };
@@ -97,7 +98,7 @@ fn samples_follow_their_density_by_chi_square() {
         .filter(|(case, wo)| !case.bsdf(*wo).is_sharp())
         .collect();
     let mut random = Random::new(11);
-    let threshold = testing::sidak(0.01, pairs.len());
+    let threshold = sidak(0.01, pairs.len());
     for (i, (case, wo)) in pairs.iter().enumerate() {
         // A million for some, fewer for the rest: what is wrong for one direction is for others, too.
         let n = match () {

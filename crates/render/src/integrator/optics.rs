@@ -141,6 +141,29 @@ mod tests {
     }
 
     #[test]
+    fn facets_are_found_as_often_as_they_are_seen() {
+        for (i, (alpha, degrees)) in
+            [(0.15, 0.0_f64), (0.5, 60.0), (1.0, 85.0)].into_iter().enumerate()
+        {
+            let (s, c) = dioptric_math::sin_cos(degrees.to_radians());
+            let v = DVec3::new(s, 0.0, c);
+            // Heitz, "Understanding the Masking-Shadowing Function", JCGT 3(2), 2014, equation 16, with Walter's D and G1.
+            let g1 = 2.0 / (1.0 + (1.0 + alpha * alpha * s * s / (c * c)).sqrt());
+            let density = |m: DVec3| {
+                let k = m.z * m.z * (alpha * alpha - 1.0) + 1.0;
+                let d = alpha * alpha / (std::f64::consts::PI * k * k);
+                if m.z > 0.0 { g1 * d * m.dot(v).max(0.0) / c } else { 0.0 }
+            };
+            let most = if alpha < 0.2 { 0.2 } else { 1.0 };
+            let around = crate::statistics::Around { axis: DVec3::Z, most };
+            let draw = |u| facet_normal(DVec3::Z, -v, alpha, u);
+            let verdict =
+                around.judge(100, density, |r| Some(draw([r.unit(), r.unit()])), 80 + i as u64);
+            verdict.check(&format!("{alpha} {degrees}"), 3);
+        }
+    }
+
+    #[test]
     fn facets_are_those_that_are_seen() {
         // The visible ones are in proportion to D max(0, v.m), whose integral is v.n / G1 (Heitz, equations 2
         // and 3): the mean of cos over them is that of max(0, v.m) under D cos, times G1 / v.n.

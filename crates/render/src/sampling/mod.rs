@@ -2,6 +2,7 @@
 //! Where samples lie: in pixels, on lenses, on lights. Pure functions of (pixel, sample, seed).
 
 pub mod pixel;
+pub mod screen;
 pub mod sobol;
 pub mod stream;
 pub mod warp;
@@ -22,7 +23,8 @@ pub enum Antialias {
     /// A regular grid of cells, one sample anywhere in each; lenses and lights by random numbers
     /// (Cook, Porter and Carpenter, "Distributed Ray Tracing", SIGGRAPH 1984).
     Jitter,
-    /// Sobol's first two dimensions, Owen-scrambled for every pixel: see [`sobol`].
+    /// Sobol's first two dimensions, Owen-scrambled: see [`sobol`]; the points of neighbouring pixels complete each
+    /// other: see [`screen`].
     #[default]
     Sobol,
     /// As `Sobol`, and more samples where the picture changes: see [`crate::job::adaptive`].

@@ -42,4 +42,20 @@ mod tests {
         }
         assert!((f64::from(inner) / f64::from(total) - 0.25).abs() < 5e-3);
     }
+
+    #[test]
+    fn no_place_of_the_disc_is_found_more_often_than_others() {
+        let draw = |u| {
+            let [x, y] = concentric_disc(u);
+            [x * x + y * y, dioptric_math::atan2(y, x) / std::f64::consts::TAU + 0.5]
+        };
+        let verdict = crate::statistics::judge(
+            [16, 24],
+            [1, 1],
+            |_| 1.0,
+            |r| Some(draw([r.unit(), r.unit()])),
+            9,
+        );
+        verdict.check("disc", 1);
+    }
 }

@@ -416,6 +416,29 @@ mod tests {
     }
 
     #[test]
+    fn places_are_found_as_often_as_they_say() {
+        let cases =
+            [([0.5, 2.0, 9.0], 3.0), ([0.0, 1e-7, 0.3], 2.0), ([0.1, 0.0, 0.7], f64::INFINITY)];
+        for (i, (extinction, end)) in cases.into_iter().enumerate() {
+            let piece = Piece::new(&murk(extinction), Spectrum::new(0.2, 1.0, 0.4), end, None);
+            let turned = crate::statistics::judge_line(
+                1.0,
+                |t| if t < end { piece.density(t) } else { 0.0 },
+                |r| Some(piece.sample([r.unit(), r.unit()])).filter(|t| *t < end),
+                10 + i as u64,
+            );
+            turned.check(&format!("turned {extinction:?}"), 6);
+            let asked = crate::statistics::judge_line(
+                1.0,
+                |t| if t < end { piece.density_of_question(t) } else { 0.0 },
+                |r| piece.sample_question(r.unit()),
+                20 + i as u64,
+            );
+            asked.check(&format!("asked {extinction:?}"), 6);
+        }
+    }
+
+    #[test]
     fn what_is_clear_is_asked_nothing() {
         let piece = Piece::new(&murk([0.0, 0.0, 1.0]), Spectrum::new(1.0, 1.0, 0.0), 2.0, None);
         assert_eq!(piece.sample_question(0.3), None);

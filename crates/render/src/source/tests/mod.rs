@@ -3,6 +3,7 @@
 //! finds.
 
 mod irradiance;
+mod lamps;
 mod maker;
 mod many;
 mod patches;

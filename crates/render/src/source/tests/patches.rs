@@ -3,22 +3,22 @@
 
 use std::f64::consts::{PI, TAU};
 
-use dioptric_math::random::Random;
-use dioptric_math::{DAffine3, DVec3, atan2, cbrt, normalize, orthonormal_basis, sin_cos};
+use dioptric_math::{DAffine3, DVec3, atan2, normalize, orthonormal_basis, sin_cos};
 
 use crate::source::ball::Ball;
 use crate::source::faces::{Face, Faces};
-use crate::source::patch::{Met, Moved, Patch};
+use crate::source::patch::{Found, Met, Moved, Patch};
 use crate::source::ring::Ring;
+use crate::statistics::{Verdict, judge};
 
 /// A surface with coordinates from 0 to 1.
-struct Chart {
+pub(super) struct Chart {
     /// A point, the normal there, and area over coordinates.
-    at: Box<dyn Fn([f64; 2]) -> (DVec3, DVec3, f64)>,
-    coordinates: Box<dyn Fn(DVec3) -> [f64; 2]>,
+    pub at: Box<dyn Fn([f64; 2]) -> (DVec3, DVec3, f64)>,
+    pub coordinates: Box<dyn Fn(DVec3) -> [f64; 2]>,
 }
 
-fn rectangle(corner: DVec3, e: DVec3, f: DVec3) -> (Patch, Chart) {
+pub(super) fn rectangle(corner: DVec3, e: DVec3, f: DVec3) -> (Patch, Chart) {
     let mut faces = Vec::new();
     Face::parallelogram(corner, [e, f], 0, &mut faces);
     let span = e.cross(f);
@@ -88,56 +88,27 @@ fn ball(center: DVec3, radius: f64, seen_from: DVec3) -> (Patch, Chart) {
     (Patch::Ball(Ball { center, radius, part: 0 }), chart)
 }
 
-const BINS: usize = 10;
+pub(super) const BINS: usize = 10;
 
-/// How far from what is expected the counts are, in standard deviations of their chi-square (Wilson and Hilferty,
-/// "The Distribution of Chi-Square", PNAS 17, 1931), and the integral of the density.
-fn compare(patch: &Patch, chart: &Chart, point: DVec3, seed: u64) -> (f64, f64) {
-    const FINE: usize = 24;
-    const SAMPLES: u32 = 100_000;
-    let mut expected = [0.0; BINS * BINS];
-    for i in 0..BINS * FINE {
-        for j in 0..BINS * FINE {
-            let n = (BINS * FINE) as f64;
-            let (there, normal, area) = (chart.at)([(i as f64 + 0.5) / n, (j as f64 + 0.5) / n]);
-            let way = there - point;
-            let met = Met { direction: way.normalize(), distance: way.length(), normal };
-            let per_area = met.direction.dot(normal).abs() / way.length_squared();
-            let density = patch.density(point, &met) * per_area * area / (n * n);
-            expected[i / FINE * BINS + j / FINE] += density;
-        }
-    }
-    let total: f64 = expected.iter().sum();
-    let mut counts = [0_u32; BINS * BINS];
-    let mut random = Random::new(seed);
-    let mut found_all = 0;
-    for _ in 0..SAMPLES {
-        let Some(found) = patch.sample(point, [random.unit(), random.unit()]) else { continue };
-        found_all += 1;
-        let there = point + found.direction * found.distance;
-        let met =
-            Met { direction: found.direction, distance: found.distance, normal: found.normal };
-        let density = patch.density(point, &met);
+/// Chi-square of what is found, class by class of its coordinates.
+fn compare(patch: &Patch, chart: &Chart, point: DVec3, seed: u64) -> Verdict {
+    let density = |u| {
+        let (there, normal, area) = (chart.at)(u);
+        let way = there - point;
+        let met = Met { direction: way.normalize(), distance: way.length(), normal };
+        let per_area = met.direction.dot(normal).abs() / way.length_squared();
+        patch.density(point, &met) * per_area * area
+    };
+    let draw = |u: [f64; 2]| {
+        let found = patch.sample(point, u)?;
+        let Found { direction, distance, normal, .. } = found;
+        let density = patch.density(point, &Met { direction, distance, normal });
         assert!((density / found.density - 1.0).abs() < 1e-6, "{density} {found:?}");
-        let [a, b] = (chart.coordinates)(there);
-        let bin = |x: f64| ((x * BINS as f64) as usize).min(BINS - 1);
-        assert!(a > -1e-4 && a < 1.0 + 1e-4 && b > -1e-4 && b < 1.0 + 1e-4, "{a} {b} {found:?}");
-        counts[bin(a) * BINS + bin(b)] += 1;
-    }
-    assert!(found_all > SAMPLES - 10, "{found_all}");
-    // Bins with few expected are pooled.
-    let (mut chi2, mut classes, mut pool) = (0.0, 0, (0.0, 0.0));
-    for (e, &c) in expected.iter().zip(&counts) {
-        pool = (pool.0 + e / total * f64::from(SAMPLES), pool.1 + f64::from(c));
-        if pool.0 >= 10.0 {
-            chi2 += (pool.1 - pool.0) * (pool.1 - pool.0) / pool.0;
-            classes += 1;
-            pool = (0.0, 0.0);
-        }
-    }
-    let k = f64::from(classes - 1);
-    let spread = 2.0 / (9.0 * k);
-    ((cbrt(chi2 / k) - (1.0 - spread)) / spread.sqrt(), total)
+        let at = (chart.coordinates)(point + direction * distance);
+        assert!(at.iter().all(|x| *x > -1e-4 && *x < 1.0 + 1e-4), "{at:?} {found:?}");
+        Some(at)
+    };
+    judge([BINS; 2], [400, 24], density, |r| draw([r.unit(), r.unit()]), seed)
 }
 
 #[test]
@@ -170,10 +141,7 @@ fn patches_are_found_as_often_as_they_say() {
         ("inside of a ball", ball(v(0.0, 1.0, 0.0), 1.5, near), near),
     ];
     for (i, (name, (patch, chart), point)) in cases.iter().enumerate() {
-        let (z, total) = compare(patch, chart, *point, 1000 + i as u64);
-        println!("{name}: {z:.2} {total:.6}");
-        assert!((total - 1.0).abs() < 3e-3, "{name}: {total}");
-        assert!(z < 3.5, "{name}: {z}");
+        compare(patch, chart, *point, 1000 + i as u64).check(name, cases.len());
     }
 }
 
@@ -201,8 +169,6 @@ fn moved_patches_are_found_as_often_as_they_say() {
             }),
             coordinates: Box::new(move |p| (chart.coordinates)(inverse.transform_point3(p))),
         };
-        let (z, total) = compare(&moved, &chart, point, 7 + i as u64);
-        println!("{z:.2} {total:.6}");
-        assert!((total - 1.0).abs() < 3e-3 && z < 3.5, "{i}: {total} {z}");
+        compare(&moved, &chart, point, 7 + i as u64).check(["ball", "ring"][i], 2);
     }
 }
