@@ -168,6 +168,18 @@ impl Bundle {
         self.leaves[lane] = *leave;
     }
 
+    /// Lets a ray leave a point of `from`, to the side from which it was reached; see [`Leave::back`]. Written number by
+    /// number: what is put together elsewhere and copied as a whole makes the processor wait.
+    #[inline(always)]
+    pub fn leave_back(&mut self, lane: usize, from: &HitId, outward: bool) {
+        let leave = &mut self.leaves[lane % LANES];
+        leave.from.instance = from.instance;
+        leave.from.object = from.object;
+        leave.from.part = from.part;
+        leave.except = NOBODY;
+        leave.flags = LEAVES | if outward { OUTWARD } else { 0 };
+    }
+
     /// Takes over a lane of another bundle.
     #[inline(always)]
     pub(super) fn take(&mut self, lane: usize, other: &Self, from: usize) {

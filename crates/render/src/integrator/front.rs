@@ -4,8 +4,8 @@
 //!
 //! The numbers are those of [`Point`], one by one; it is made of them where a point is asked for by itself.
 
-use dioptric_geometry::SurfacePoint;
 use dioptric_geometry::world::{Bundle, Found, Hit, Leave, Sixteen};
+use dioptric_geometry::{Departure, SurfacePoint};
 use dioptric_math::DVec3;
 use dioptric_math::wide::{Kernel, wide};
 
@@ -79,11 +79,13 @@ impl Front {
         }
         for lane in lanes(self.met) {
             let outward = outside & 1 << lane != 0;
-            let mut except = None;
-            if touching & 1 << lane != 0 {
-                except = rays.leaves[lane].departure().map(|d| d.from);
+            starts.leave_back(lane, &found.ids[lane], outward);
+        }
+        for lane in lanes(self.met & touching) {
+            if let Some(Departure { from, .. }) = rays.leaves[lane].departure() {
+                let outward = outside & 1 << lane != 0;
+                starts.leaves[lane] = Leave::back(found.ids[lane], outward, Some(from));
             }
-            starts.leaves[lane] = Leave::back(found.ids[lane], outward, except);
         }
     }
 
@@ -229,7 +231,7 @@ mod tests {
     use crate::material::Finish;
     use crate::scene::Shading;
     use dioptric_geometry::world::Query;
-    use dioptric_geometry::{Contacts, Departure, HitId, Ray};
+    use dioptric_geometry::{Contacts, HitId, Ray};
     use dioptric_math::normalize;
     use dioptric_math::random::Random;
 

@@ -12,7 +12,6 @@ use serde_json::json;
 use super::media::Inside;
 use super::recorder::{Recorder, Slot};
 use super::whitted::Whitted;
-use crate::film::FirstHit;
 
 /// Who waits for a ray's value.
 #[derive(Clone, Copy, Debug)]
@@ -64,17 +63,18 @@ impl<I: Copy> Nodes<I> {
     #[inline(always)]
     pub fn add(&mut self, way: &Way<I>, own: Spectrum, waiting: u8, distance: f64) -> u32 {
         let below = [Spectrum::ZERO; 2];
-        let Some(index) = self.free.pop() else {
-            self.nodes.push(Node { way: *way, own, waiting, below, distance });
-            return self.nodes.len() as u32 - 1;
-        };
+        let index = self.free.pop().unwrap_or_else(|| {
+            self.nodes.push(Node { way: *way, own: Spectrum::ZERO, waiting, below, distance });
+            self.nodes.len() as u32 - 1
+        });
         // One by one: what is put together elsewhere and copied as a whole makes the processor wait.
         let node = &mut self.nodes[index as usize];
         node.way.id = way.id;
         node.way.above = way.above;
         node.way.weight = way.weight;
         node.way.inside = way.inside;
-        (node.own, node.waiting, node.below, node.distance) = (own, waiting, below, distance);
+        (node.own.x, node.own.y, node.own.z) = (own.x, own.y, own.z);
+        (node.waiting, node.below, node.distance) = (waiting, below, distance);
         index
     }
 
@@ -106,21 +106,34 @@ impl<R: Recorder> Whitted<'_, '_, R> {
             let (way, distance) = (node.way, node.distance);
             let value = node.own + node.below[0] + node.below[1];
             self.nodes.release(index);
-            self.deliver(way, value, distance);
+            self.deliver(&way, value, distance);
         }
     }
 
     /// Hands the value of what a ray met to those who wait for it, and theirs if they wait for nothing else.
-    pub(super) fn deliver(&mut self, mut way: Way<R::Id>, mut value: Spectrum, mut distance: f64) {
+    #[inline(always)]
+    pub(super) fn deliver(&mut self, way: &Way<R::Id>, value: Spectrum, distance: f64) {
+        if let Above::Sample(sample) = way.above
+            && self.clear
+            && way.inside.is_none()
+        {
+            self.recorder.end(way.id, Spectrum::ONE, value);
+            self.radiances[sample as usize].color = value;
+            return;
+        }
+        // Number by number: what is put together in memory and read as a whole makes the processor wait.
+        self.deliver_up(way, value.x, value.y, value.z, distance);
+    }
+
+    #[inline(never)]
+    fn deliver_up(&mut self, way: &Way<R::Id>, r: f64, g: f64, b: f64, mut distance: f64) {
+        let (mut way, mut value) = (*way, Spectrum::new(r, g, b));
         loop {
             value = self.attenuated(way.id, value, distance, way.inside);
             match way.above {
                 Above::Sample(sample) => {
                     self.recorder.end(way.id, Spectrum::ONE, value);
-                    let radiance = &mut self.radiances[sample as usize];
-                    radiance.color = value;
-                    let hit = radiance.first.object != FirstHit::NOTHING;
-                    radiance.alpha = if hit { 1.0 } else { 0.0 };
+                    self.radiances[sample as usize].color = value;
                     return;
                 }
                 Above::Node(above, slot) => {

@@ -30,7 +30,7 @@ use super::recorder::{RayKind, Recorder, Silent, Slot};
 use super::resolve::{Spare, resolve};
 use super::tree::{Above, Nodes, Way};
 use crate::camera::Places;
-use crate::film::{FirstHit, Radiance};
+use crate::film::Radiance;
 use crate::job::Shot;
 use crate::material::{Finish, Optics, Reflectance};
 use crate::picture::place;
@@ -222,7 +222,7 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
             if front.met & 1 << lane == 0 {
                 let value = scene.background.radiance(rays.ray(lane).direction);
                 self.recorder.term(leg.way.id, "background", value, || (None, json!({})));
-                self.deliver(leg.way, value, f64::INFINITY);
+                self.deliver(&leg.way, value, f64::INFINITY);
             }
         }
         front.turn(rays, found, starts, block);
@@ -254,12 +254,12 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
             let finish: &Finish = answer;
             let id = found.ids[lane];
             if let Above::Sample(sample) = leg.way.above {
-                self.radiances[sample as usize].first = FirstHit {
-                    object: scene.layer_id(id),
-                    depth: found.t[lane],
-                    normal: block.normal(lane),
-                    albedo: finish.base,
-                };
+                let radiance = &mut self.radiances[sample as usize];
+                radiance.alpha = 1.0;
+                radiance.first.object = scene.layer_id(id);
+                radiance.first.depth = found.t[lane];
+                radiance.first.normal = block.normal(lane);
+                radiance.first.albedo = finish.base;
             }
             if R::ENABLED {
                 let medium = self.media.top(leg.way.inside);
@@ -377,7 +377,7 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
                     let limit = || json!(self.scene.settings.bounces);
                     self.recorder.note(leg.way.id, "bounce_limit", limit);
                 }
-                self.deliver(leg.way, value, found.t[lane]);
+                self.deliver(&leg.way, value, found.t[lane]);
             } else if let (true, Optics::Mirror { reflect, covers, .. }) =
                 (front.mirrors & bit != 0, &finish.optics)
             {
@@ -417,7 +417,7 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
         }
         let distance = of.found.t[lane % LANES];
         let Some(throughput) = self.goes_on(leg.throughput, id, RayKind::Reflected, weight) else {
-            self.deliver(leg.way, own, distance);
+            self.deliver(&leg.way, own, distance);
             return;
         };
         let direction = get(&of.front.mirrored, lane);
@@ -490,6 +490,7 @@ impl Whitted<'_, '_, Silent> {
         let (scene, inside, before) = (self.scene, self.around_camera(), out.len());
         self.radiances = std::mem::take(out);
         self.radiances.resize(before + shots.len(), Radiance::NOTHING);
+        self.nodes = Nodes::new(shots.len());
         let mut places = Places::CORNER;
         for (first, shots) in (before as u32..).step_by(LANES).zip(shots.chunks(LANES)) {
             let mut streams = [shots[0].stream; LANES];
