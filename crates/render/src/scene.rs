@@ -212,6 +212,12 @@ impl Scene {
         if combined { leaf() as usize } else { material as usize }
     }
 
+    /// What the material of a hit answers, where that is the same at every point.
+    #[inline(always)]
+    pub(crate) fn uniform(&self, id: HitId) -> Option<&Finish> {
+        self.materials[self.material_index(id)].uniform.as_ref()
+    }
+
     /// Works out what shading needs of a hit; `None` only for a hit that is not of this world.
     #[must_use]
     pub fn shading(&self, ray: &Ray, hit: &Hit) -> Option<Shading<'_>> {

@@ -67,6 +67,11 @@ impl Cone {
 }
 
 impl Cone {
+    /// What it is.
+    pub(crate) const fn frustum(&self) -> &Frustum {
+        &self.0
+    }
+
     /// See [`Frustum::tube`].
     pub(crate) fn tube(&self) -> (DVec3, DVec3, f64, f64) {
         self.0.tube()

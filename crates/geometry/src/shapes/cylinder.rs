@@ -54,6 +54,11 @@ impl Cylinder {
 }
 
 impl Cylinder {
+    /// What it is.
+    pub(crate) const fn frustum(&self) -> &Frustum {
+        &self.0
+    }
+
     /// See [`Frustum::tube`].
     pub(crate) fn tube(&self) -> (DVec3, DVec3, f64, f64) {
         self.0.tube()

@@ -71,6 +71,13 @@ struct Line {
 }
 
 impl Frustum {
+    /// Of its side: base, axis and radius there; radius at the top, height, cosine and sine of the slope; a bound on the
+    /// errors of points.
+    pub const fn numbers(&self) -> (DVec3, DVec3, f64, [f64; 4], f64) {
+        let Self { base, axis, height, radius, top_radius, cos, sin, error, .. } = *self;
+        (base, axis, radius, [top_radius, height, cos, sin], error)
+    }
+
     /// A frustum from `base` to `base + length`; `None` where that is the same point or numbers are
     /// not finite. One of the radii may be 0.
     pub fn new(

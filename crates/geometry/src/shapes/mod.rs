@@ -21,7 +21,7 @@ pub mod cuboid;
 pub mod cylinder;
 pub mod disc;
 mod frame;
-mod frustum;
+pub(crate) mod frustum;
 mod outline;
 pub mod plane;
 pub mod polygon;

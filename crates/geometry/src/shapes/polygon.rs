@@ -144,6 +144,11 @@ impl Polygon {
         (self.facet.normal, self.outline.loops().map(<[DVec3]>::to_vec).collect())
     }
 
+    /// A point and the normal of its plane, and a bound on the errors of points.
+    pub(crate) const fn numbers(&self) -> (DVec3, DVec3, f64) {
+        (self.facet.point, self.facet.normal, self.facet.error)
+    }
+
     /// A point and the normal of its plane, the corners of its outline and holes, and how far these lie off the plane.
     pub(crate) fn flat(&self) -> ((DVec3, DVec3), &[DVec3], f64) {
         ((self.facet.point, self.facet.normal), self.outline.corners(), self.off)

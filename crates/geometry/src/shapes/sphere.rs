@@ -89,6 +89,11 @@ impl Sphere {
         Plain { base, edges, duals, normal: DVec3::ZERO, radius, error }
     }
 
+    /// Its middle, its radius, and a bound on the errors of points.
+    pub(crate) fn numbers(&self) -> (DVec3, f64, f64) {
+        (self.center, self.radius, self.error())
+    }
+
     fn error(&self) -> f64 {
         gamma(16) * (self.center.abs().max_element() + self.radius)
     }

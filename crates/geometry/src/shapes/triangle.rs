@@ -93,6 +93,11 @@ impl Triangle {
         ((self.facet.point, self.facet.normal), &self.corners, 0.0)
     }
 
+    /// Its corners, its normal, and those at its corners.
+    pub(crate) const fn numbers(&self) -> ([DVec3; 3], DVec3, Option<&[DVec3; 3]>) {
+        (self.corners, self.facet.normal, self.normals.as_ref())
+    }
+
     /// Its corners.
     #[must_use]
     pub const fn corners(&self) -> [DVec3; 3] {

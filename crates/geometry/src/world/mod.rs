@@ -13,6 +13,7 @@ mod filter;
 mod passages;
 mod query;
 mod rays;
+mod surfaces;
 
 use dioptric_math::bounds::gamma;
 use dioptric_math::{DAffine3, DVec2, DVec3};
@@ -30,6 +31,7 @@ pub use builder::{GroupId, PlacementError, WorldBuilder};
 pub use cast::each;
 pub use passages::Passages;
 pub use rays::{Bundle, Found, Leave, Query, Rays, Sixteen};
+pub use surfaces::Surfaces;
 
 /// Marks objects and instances without a transform.
 const NO_TRANSFORM: u32 = u32::MAX;

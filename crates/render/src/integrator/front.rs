@@ -4,7 +4,7 @@
 //!
 //! The numbers are those of [`Point`], one by one; it is made of them where a point is asked for by itself.
 
-use dioptric_geometry::world::{Bundle, Found, Hit, Leave, Sixteen};
+use dioptric_geometry::world::{Bundle, Found, Hit, Leave, Sixteen, Surfaces};
 use dioptric_geometry::{Departure, SurfacePoint};
 use dioptric_math::DVec3;
 use dioptric_math::wide::{Kernel, wide};
@@ -64,6 +64,18 @@ impl Front {
         put(&mut starts.origin, lane, surface.point);
         starts.error[lane % LANES] = surface.error;
         self.met |= 1 << lane;
+    }
+
+    /// Takes over all surfaces of some lanes. (What it puts into others comes before what is set there.)
+    #[inline(always)]
+    pub fn take(&mut self, known: u16, surfaces: &Surfaces, starts: &mut Bundle) {
+        if known != 0 {
+            self.normal = surfaces.normal;
+            self.shading = surfaces.shading;
+            starts.origin = surfaces.point;
+            starts.error = surfaces.error;
+            self.met |= known;
+        }
     }
 
     /// Turns the normals towards the rays, and says what further rays leave.

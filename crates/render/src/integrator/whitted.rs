@@ -13,7 +13,7 @@
 use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use dioptric_geometry::world::{Bundle, Found, Query, Rays};
+use dioptric_geometry::world::{Bundle, Found, Query, Rays, Surfaces};
 use dioptric_geometry::{Contacts, Ray};
 use dioptric_math::{DVec3, Spectrum};
 use serde_json::json;
@@ -157,7 +157,7 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
 
     /// Casts the rays that came last, and shades what they meet.
     fn round(&mut self, round: &mut Round<'a, R::Id>, memory: &mut Memory) {
-        let Memory { rays, found, fronts, answers, light, .. } = memory;
+        let Memory { rays, found, fronts, surfaces, answers, light, .. } = memory;
         self.next.take_last(ROUND, rays);
         round.legs.clear();
         if self.next.is_empty() {
@@ -179,7 +179,7 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
             let (starts, block) = (&mut lit.rays[at], &mut lit.blocks[at]);
             let mut own =
                 Sixteen { rays: &rays.bundles()[at], found: &mut found[at], front, starts, block };
-            self.meet(&mut own, legs, finishes, answers);
+            self.meet(&mut own, legs, finishes, (answers, surfaces));
             lit.live[at] = self.look(&mut own, legs, finishes);
         }
         self.light(&mut Points { finishes, legs }, light);
@@ -200,13 +200,29 @@ impl<'a, 'r, R: Recorder> Whitted<'a, 'r, R> {
         own: &mut Sixteen,
         legs: &[Follow<R::Id>],
         finishes: &mut [Option<Answer<'a>>; LANES],
-        answers: &mut Spare,
+        (answers, surfaces): (&mut Spare, &mut Surfaces),
     ) {
         let Sixteen { rays, found, front, starts, block } = own;
         let (scene, media) = (self.scene, &self.media);
         let certain = !scene.has_holes && media.is_empty();
         front.clear();
-        for lane in lanes(found.hit) {
+        let mut left = found.hit;
+        if certain {
+            // Most surfaces are found side by side.
+            surfaces.clear();
+            for lane in lanes(found.hit) {
+                let id = &found.ids[lane];
+                if let Some(finish) = scene.uniform(*id).filter(|finish| finish.present)
+                    && scene.world.lay(id, lane, surfaces)
+                {
+                    finishes[lane] = Some(Answer::Same(finish));
+                }
+            }
+            let known = surfaces.find(rays, &found.t);
+            front.take(known, surfaces, starts);
+            left &= !known;
+        }
+        for lane in lanes(left) {
             let Some(hit) = found.best(lane) else { continue };
             let (query, inside) = (|| rays.query(lane), legs[lane].way.inside);
             let met = resolve(scene, media, &rays.ray(lane), query, hit, inside, answers);
@@ -528,6 +544,7 @@ struct Memory {
     rays: Rays,
     found: Vec<Found>,
     fronts: Vec<Front>,
+    surfaces: Box<Surfaces>,
     /// Boxes for answers of materials with patterns.
     answers: Spare,
     light: Scratch,

@@ -9,6 +9,7 @@ use rayon::ThreadPool;
 use super::adaptive::Summary;
 use super::{Control, Region, Shoot, Shot};
 use crate::film::{FilmPixel, FirstSums, PixelSum, Radiance};
+use crate::sampling::pixel::{is_middle, middle_sample};
 use crate::sampling::{Antialias, pixel_sample};
 use crate::setting::render::RenderSettings;
 use crate::stats::RayCounts;
@@ -107,10 +108,16 @@ pub(super) fn sample(
         added: vec![0; count],
         rays: RayCounts::default(),
     };
+    let middle = is_middle(settings);
     for (pixel, place) in places {
         for index in samples.clone() {
-            let (sample, stream) = pixel_sample(settings, place, index);
-            work.shots.push(Shot { sample, stream });
+            if middle {
+                let (sample, stream) = middle_sample(settings, place, index);
+                work.shots.push(Shot { sample, stream });
+            } else {
+                let (sample, stream) = pixel_sample(settings, place, index);
+                work.shots.push(Shot { sample, stream });
+            }
             work.pixels_of.push(pixel);
             if work.shots.len() == BATCH && !work.shoot_batch() {
                 return work.finish();

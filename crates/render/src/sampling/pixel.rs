@@ -23,23 +23,38 @@ pub struct PixelSample {
 
 /// Sample `index` of a pixel (column, row) of the full picture, and the numbers for the rest of its
 /// way, of which the first two are for the lens. Depends on nothing but the settings and these.
-#[inline(always)]
+#[inline]
 #[must_use]
 pub fn pixel_sample(
     settings: &RenderSettings,
     pixel: [u32; 2],
     index: u32,
 ) -> (PixelSample, Stream) {
+    if is_middle(settings) {
+        return middle_sample(settings, pixel, index);
+    }
     let mut stream = Stream::new(settings.antialias, pixel, index, settings.seed);
-    let RenderSettings { antialias, filter, filter_radius, .. } = settings;
-    let plain = *filter == Filter::Box && *filter_radius == 0.5;
-    let (offset, weight) = if *antialias == Antialias::None && plain {
-        ([0.5; 2], 1.0)
-    } else {
-        offset(settings, pixel, index, &mut stream)
-    };
+    let (offset, weight) = offset(settings, pixel, index, &mut stream);
     let [x, y] = [0, 1].map(|axis| f64::from(pixel[axis]) + offset[axis]);
     (PixelSample { x, y, weight }, stream)
+}
+
+/// Whether all samples lie in the middles of their pixels.
+pub(crate) fn is_middle(settings: &RenderSettings) -> bool {
+    let plain = settings.filter == Filter::Box && settings.filter_radius == 0.5;
+    settings.antialias == Antialias::None && plain
+}
+
+/// [`pixel_sample`] in the middle of a pixel.
+#[inline(always)]
+pub(crate) fn middle_sample(
+    settings: &RenderSettings,
+    pixel: [u32; 2],
+    index: u32,
+) -> (PixelSample, Stream) {
+    let [x, y] = pixel.map(|place| f64::from(place) + 0.5);
+    let stream = Stream::new(Antialias::None, pixel, index, settings.seed);
+    (PixelSample { x, y, weight: 1.0 }, stream)
 }
 
 /// The weights of a pixel's first `count` samples, which add up to 1: the pixel's colour is the sum
