@@ -154,6 +154,24 @@ impl World {
     }
 }
 
+impl World {
+    /// The normal of a polygon outside of groups that lies as it was described, and a bound on the errors of its points.
+    #[inline]
+    #[must_use]
+    pub fn pane(&self, id: &HitId) -> Option<(DVec3, f64)> {
+        let object = self.object(id.object)?;
+        match &object.shape {
+            AnyShape::Polygon(polygon)
+                if id.instance == HitId::NO_INSTANCE && object.transform == NO_TRANSFORM =>
+            {
+                let (_, normal, error) = polygon.numbers();
+                Some((normal, error))
+            }
+            _ => None,
+        }
+    }
+}
+
 #[inline(always)]
 fn put(of: &mut Vectors, lane: usize, value: DVec3) {
     let lane = lane % LANES;

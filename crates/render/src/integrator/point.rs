@@ -135,7 +135,13 @@ pub(super) fn refracted(direction: DVec3, n: DVec3, geometric: DVec3, eta: f64) 
 /// Whether a hit is where its ray begins, within the error bounds.
 #[inline(always)]
 pub(super) fn touches(ray: &Ray, hit: &Hit, s: &SurfacePoint) -> bool {
-    hit.t * ray.direction.dot(s.normal).abs() <= s.error + ray.error
+    touches_at(ray, hit.t, s.normal, s.error)
+}
+
+/// The same of a hit at `t`, on a surface with this normal and bound on the error of the point.
+#[inline(always)]
+pub(super) fn touches_at(ray: &Ray, t: f64, normal: DVec3, error: f64) -> bool {
+    t * ray.direction.dot(normal).abs() <= error + ray.error
 }
 
 /// Whether two hits of one ray are the same point within their error bounds, the rounding of `t` included.

@@ -3,10 +3,10 @@
 
 use dioptric_geometry::world::{Hit, Query};
 use dioptric_geometry::{Contacts, HitId, Ray, SurfacePoint};
-use dioptric_math::Spectrum;
+use dioptric_math::{DVec3, Spectrum};
 
 use super::media::absorbed;
-use super::point::touches;
+use super::point::touches_at;
 use crate::material::{Finish, Optics};
 use crate::scene::Scene;
 
@@ -27,8 +27,13 @@ impl<'a> Start<'a> {
 
     /// Whether a surface only touches the point that is left.
     pub fn stays_off(&self, hit: &Hit, surface: &SurfacePoint) -> bool {
+        self.stays_off_at(hit, surface.normal, surface.error)
+    }
+
+    /// The same of a surface with this normal, whose point has an error within this bound.
+    fn stays_off_at(&self, hit: &Hit, normal: DVec3, error: f64) -> bool {
         let own = self.from.is_some_and(|from| hit.id.same_object(&from));
-        !own && !self.contacts.crosses(&hit.id) && touches(self.ray, hit, surface)
+        !own && !self.contacts.crosses(&hit.id) && touches_at(self.ray, hit.t, normal, error)
     }
 }
 
@@ -52,6 +57,14 @@ impl Scene {
         passed
     }
 
+    /// The answer of a polygon's material that is the same everywhere, with the polygon's normal and a bound on the errors of
+    /// its points: all that a way to a light needs of it.
+    #[inline(always)]
+    fn plain_pane(&self, hit: &Hit) -> Option<(&Finish, DVec3, f64)> {
+        let (normal, error) = self.world.pane(&hit.id)?;
+        Some((self.uniform(hit.id)?, normal, error))
+    }
+
     /// Calls `each` with every passage through a surface that is there before `distance`, nearest first, and the share
     /// of light that passes there, until it returns false. The product of all shares is the light's
     /// visibility where shadows are tinted.
@@ -67,6 +80,15 @@ impl Scene {
     ) {
         let ray = start.ray;
         for (i, hit) in hits.clone().enumerate().filter(|(_, h)| h.t < distance) {
+            if let Some((finish, normal, error)) = self.plain_pane(hit) {
+                if !finish.present || start.stays_off_at(hit, normal, error) {
+                    continue;
+                }
+                if !each(hit, finish.shadow_pass) {
+                    return;
+                }
+                continue;
+            }
             let Some(shading) = self.shading(ray, hit) else { continue };
             if start.stays_off(hit, &shading.surface) {
                 continue;

@@ -47,6 +47,9 @@ pub(super) struct Node<I> {
     pub distance: f64,
 }
 
+/// Nodes that room is made for at once.
+const MORE: usize = 64;
+
 /// The nodes of a batch.
 #[derive(Debug)]
 pub(super) struct Nodes<I> {
@@ -63,10 +66,10 @@ impl<I: Copy> Nodes<I> {
     #[inline(always)]
     pub fn add(&mut self, way: &Way<I>, own: Spectrum, waiting: u8, distance: f64) -> u32 {
         let below = [Spectrum::ZERO; 2];
-        let index = self.free.pop().unwrap_or_else(|| {
-            self.nodes.push(Node { way: *way, own: Spectrum::ZERO, waiting, below, distance });
-            self.nodes.len() as u32 - 1
-        });
+        let index = match self.free.pop() {
+            Some(index) => index,
+            None => self.grow(way),
+        };
         // One by one: what is put together elsewhere and copied as a whole makes the processor wait.
         let node = &mut self.nodes[index as usize];
         node.way.id = way.id;
@@ -76,6 +79,17 @@ impl<I: Copy> Nodes<I> {
         (node.own.x, node.own.y, node.own.z) = (own.x, own.y, own.z);
         (node.waiting, node.below, node.distance) = (waiting, below, distance);
         index
+    }
+
+    /// Makes room for some more nodes; the place of the first of them.
+    #[cold]
+    #[inline(never)]
+    fn grow(&mut self, way: &Way<I>) -> u32 {
+        let (first, zero) = (self.nodes.len(), Spectrum::ZERO);
+        let node = Node { way: *way, own: zero, waiting: 0, below: [zero; 2], distance: 0.0 };
+        self.nodes.resize(first + MORE, node);
+        self.free.extend((first as u32 + 1..(first + MORE) as u32).rev());
+        first as u32
     }
 
     /// Gives the place of a node that is done to the next one.
