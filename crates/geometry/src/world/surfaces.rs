@@ -264,9 +264,9 @@ impl Surfaces {
         let mut odd = normalize(&mut outward);
         // Next to the axis that is mostly rounding and need not be at right angles to it.
         dot(&outward, &self.axis, &mut along);
-        for axis in 0..3 {
+        for (outward, axis) in outward.iter_mut().zip(&self.axis) {
             for i in 0..LANES {
-                outward[axis][i] -= self.axis[axis][i] * along[i];
+                outward[i] -= axis[i] * along[i];
             }
         }
         odd |= normalize(&mut outward);
@@ -332,18 +332,16 @@ impl Surfaces {
                     first[axis][i] * u[i] + second[axis][i] * v[i] + third[axis][i] * w[i];
             }
         }
-        let bent = normalize(&mut shading);
+        let (bent, normal) = (normalize(&mut shading), self.axis);
         for i in 0..LANES {
             odd |= bent & Mask::from(smooth[i]) << i;
             self.error[i] = if own[i] { gamma(8) * error[i] } else { self.error[i] };
         }
-        for axis in 0..3 {
+        for (shading, flat) in shading.iter_mut().zip(normal) {
             for i in 0..LANES {
-                let flat = self.axis[axis][i];
-                shading[axis][i] = if smooth[i] { shading[axis][i] } else { flat };
+                shading[i] = if smooth[i] { shading[i] } else { flat[i] };
             }
         }
-        let normal = self.axis;
         self.keep(own, &point, &normal, &shading);
         odd
     }
@@ -407,8 +405,8 @@ fn normalize(v: &mut Vectors) -> Mask {
         }
     }
     let mut odd = 0;
-    for i in 0..LANES {
-        let fits = (square[i] >= 1e-200) & (square[i] <= 1e200);
+    for (i, square) in square.iter().enumerate() {
+        let fits = (*square >= 1e-200) & (*square <= 1e200);
         odd |= Mask::from(!fits) << i;
     }
     odd
