@@ -79,6 +79,9 @@ pub fn run(args: &RenderArgs, terminal: &Terminal) -> Result<(), Failure> {
     let interrupt = Interrupt::listen();
     // Everything that can be wrong without the scene is found before hours are spent on it.
     let format = args.format()?;
+    if args.long.is_used() {
+        args.until.without_checkpoint()?;
+    }
     let options = compile::Options {
         max_mesh_bytes: args.scene.max_mesh_bytes(),
         ..args.picture.compile_options(args.scene.camera(), args.scene.max_objects())?

@@ -26,11 +26,11 @@ use super::progress::{Bar, Interrupt};
 pub struct UntilOptions {
     /// Takes samples until the estimated error is below E, as a share of the way from black to white on a display, such as
     /// 0.01; a pixel gets at most --max-samples, else 65536.
-    #[arg(long, value_name = "E", value_parser = error, conflicts_with_all = ["checkpoint", "samples"])]
+    #[arg(long, value_name = "E", value_parser = error, conflicts_with = "samples")]
     noise: Option<f64>,
     /// Takes as many samples as TIME allows, such as 30s or 10m: the picture depends on the machine, and the number that
     /// was reached is printed; --samples with it makes the same picture.
-    #[arg(long, value_name = "TIME", value_parser = duration, conflicts_with_all = ["checkpoint", "samples"])]
+    #[arg(long, value_name = "TIME", value_parser = duration, conflicts_with = "samples")]
     budget: Option<Duration>,
 }
 
@@ -66,6 +66,29 @@ impl UntilOptions {
     /// Whether there is such a condition.
     pub const fn is_used(&self) -> bool {
         self.noise.is_some() || self.budget.is_some()
+    }
+
+    /// Says why there is none with a checkpoint.
+    ///
+    /// # Errors
+    /// There is such a condition.
+    pub fn without_checkpoint(&self) -> Result<(), Failure> {
+        let (message, help) = if self.budget.is_some() {
+            (
+                "--budget ends by the clock, so what is resumed could never be the same picture: --checkpoint cannot keep \
+                 it",
+                "render with --samples N --checkpoint FILE, stop it by Ctrl-C or timeout, and go on with --resume",
+            )
+        } else if self.noise.is_some() {
+            (
+                "--noise compares the last pass with all before, which a checkpoint has already added up: --checkpoint \
+                 cannot keep it",
+                "leave out --checkpoint, or write --samples N with it; --resume with a larger N makes the picture better",
+            )
+        } else {
+            return Ok(());
+        };
+        Err(Failure::usage(message, help))
     }
 
     /// Makes the picture.

@@ -72,6 +72,8 @@ fn what_makes_no_sense_is_explained() {
     for (args, says) in [
         (&["--noise", "0"][..], "write a number above 0"),
         (&["--noise", "0.1", "--samples", "8"], "cannot be used with"),
+        (&["--noise", "0.1", "--checkpoint", "a.part"], "compares the last pass with all before"),
+        (&["--budget", "1s", "--checkpoint", "a.part"], "ends by the clock"),
         (&["--budget", "1d"], "write a time such as"),
         (&["--budget", "1s", "--antialias", "grid"], "antialias \"grid\" cannot"),
     ] {
