@@ -30,7 +30,7 @@ impl Plain {
     pub fn nearest(&self, reached: DVec3) -> (DVec3, DVec3, bool) {
         let Self { base, edges, duals, normal, radius, .. } = *self;
         let offset = reached - base;
-        let unit = |x: f64| x.max(0.0).min(1.0);
+        let unit = |x: f64| x.clamp(0.0, 1.0);
         let (u, v) = (unit(offset.dot(duals[0])), unit(offset.dot(duals[1])));
         let flat = base + (edges[0] * u + edges[1] * v);
         let length2 = offset.length_squared();
@@ -39,7 +39,7 @@ impl Plain {
         let ball = radius > 0.0;
         let pick = |a: f64, b: f64| if ball { a } else { b };
         let pick = |a: DVec3, b: DVec3| DVec3::new(pick(a.x, b.x), pick(a.y, b.y), pick(a.z, b.z));
-        let fits = !ball | ((length2 >= 1e-200) & (length2 <= 1e200));
+        let fits = !ball | ((1e-200..=1e200).contains(&length2));
         (pick(round, flat), pick(away, normal), fits)
     }
 }
