@@ -384,8 +384,15 @@ fn every_instruction_set_gives_the_same_bits() {
             }
             let [plain, avx2, avx512] = meshes.each_ref().map(|mesh| {
                 let any = mesh.blocks(&ray);
-                assert_eq!(any.is_some(), mesh.intersect(&ray).is_some());
-                mesh.intersect(&ray)
+                let first = mesh.intersect(&ray);
+                assert!(any.is_some() == first.is_some() && mesh.hides(&ray) == any.is_some());
+                for (part, is_hidden) in [(0.5, false), (1.0, false), (1.0 + 1e-15, true)] {
+                    let Some(Root { t, .. }) = first.filter(|root| root.t > 0.0) else { break };
+                    let before = LocalRay { t_max: t * part, ..ray };
+                    assert_eq!(mesh.hides(&before), is_hidden, "{before:?}");
+                    assert_eq!(mesh.blocks(&before).is_some(), is_hidden);
+                }
+                first
             });
             assert!(plain == avx2 && plain == avx512, "{ray:?}: {plain:?} {avx2:?} {avx512:?}");
             hits += u32::from(plain.is_some());

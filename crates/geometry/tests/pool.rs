@@ -40,6 +40,11 @@ fn check<S: Pooled>(things: &[S]) {
         assert!(others.iter().all(|pool| pool.intersect(&ray) == found));
         let blocked = found.is_some_and(|root| root.t < t_max);
         assert_eq!(pool.blocks(&ray).is_some(), blocked);
+        for pool in others.iter().chain([&pool]) {
+            assert_eq!(pool.hides(&ray), blocked);
+            let before = LocalRay { t_max: best.map_or(0.0, |root| root.t), ..ray };
+            assert!(!pool.hides(&before));
+        }
         let Some(root) = found else { continue };
         hits += 1;
         let own = root.part & ((1 << S::PART_BITS) - 1);
@@ -55,7 +60,9 @@ fn check<S: Pooled>(things: &[S]) {
             t_max: f64::INFINITY,
             leaving: Some(Leaving { part: root.part, outward: away > 0.0 }),
         };
-        assert!(pool.intersect(&on).is_none_or(|next| next.t > surface.error));
+        let next = pool.intersect(&on);
+        assert!(next.is_none_or(|next| next.t > surface.error));
+        assert_eq!(pool.hides(&on), next.is_some());
     }
     assert!(things.len() < 100 || hits > 100, "{hits}");
     let nowhere = LocalRay {

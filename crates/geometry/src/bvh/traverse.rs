@@ -191,7 +191,7 @@ pub(super) unsafe fn walk_below<T: Test, C: Counter, L: Leaves<T, C>>(
         return Some(());
     }
     // SAFETY: the caller answers for the instruction set.
-    let spread = unsafe { T::spread(ray) };
+    let spread = unsafe { T::spread(ray, &bvh.nodes) };
     let shelves = [Shelf::of(&bvh.nodes, Child::LEAF as usize - 1), leaf.shelf()];
     let mut tasks = Tasks::new();
     let mut top = 0;
@@ -205,7 +205,7 @@ pub(super) unsafe fn walk_below<T: Test, C: Counter, L: Leaves<T, C>>(
             fetch_line(std::ptr::from_ref(&node.children).cast());
             counter.boxes(WIDTH as u32);
             // SAFETY: the caller answers for the instruction set.
-            let (near, mut entered) = unsafe { T::enter(node, &spread, limit) };
+            let (near, mut entered) = unsafe { T::enter(&bvh.nodes, index, &spread, limit) };
             let task = |entered: u32| {
                 let lane = entered.trailing_zeros() as usize % WIDTH;
                 Task::new(node.children[lane], near[lane])
@@ -219,7 +219,8 @@ pub(super) unsafe fn walk_below<T: Test, C: Counter, L: Leaves<T, C>>(
             if entered != 0 {
                 let others = entered & (entered - 1);
                 if others == 0 {
-                    at = node.children[entered.trailing_zeros() as usize % WIDTH];
+                    // SAFETY: as above.
+                    at = unsafe { T::only(node, entered) };
                     continue;
                 }
                 let first = task(entered);

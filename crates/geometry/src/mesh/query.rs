@@ -34,14 +34,23 @@ impl Mesh {
     #[inline]
     pub(super) fn closest(&self, ray: &LocalRay) -> Option<Root> {
         // SAFETY: a tree's instruction set is one that the processor has.
-        unsafe { self.bvh.lanes().run(Cast::<false> { mesh: self, ray }) }
+        unsafe { self.bvh.lanes().run(Cast::<false, true> { mesh: self, ray }) }
     }
 
     /// Any hit before `t_max`.
     #[inline]
     pub(super) fn any(&self, ray: &LocalRay) -> Option<Root> {
         // SAFETY: as above.
-        unsafe { self.bvh.lanes().run(Cast::<true> { mesh: self, ray }) }
+        unsafe { self.bvh.lanes().run(Cast::<true, true> { mesh: self, ray }) }
+    }
+
+    /// Whether there is any hit with `t` in `[0, ray.t_max)`, as [`crate::Shape::blocks`] has it, but sooner: what is
+    /// certain is not looked at again.
+    #[inline]
+    #[must_use]
+    pub fn hides(&self, ray: &LocalRay) -> bool {
+        // SAFETY: as above.
+        unsafe { self.bvh.lanes().run(Cast::<true, false> { mesh: self, ray }) }.is_some()
     }
 
     /// Where the ray hits one triangle, if it does, as [`crate::Shape`] has the rules; `t_max` is not looked at.
@@ -188,13 +197,13 @@ fn lanes_of(mut bits: u32) -> impl Iterator<Item = usize> {
     })
 }
 
-/// A ray and a mesh, to be run on some instruction set.
-struct Cast<'a, const ANY: bool> {
+/// A ray and a mesh, to be run on some instruction set. Without `WHERE`, all that is told is whether there is a hit.
+struct Cast<'a, const ANY: bool, const WHERE: bool> {
     mesh: &'a Mesh,
     ray: &'a LocalRay,
 }
 
-impl<const ANY: bool> Job for Cast<'_, ANY> {
+impl<const ANY: bool, const WHERE: bool> Job for Cast<'_, ANY, WHERE> {
     type Output = Option<Root>;
 
     #[inline(always)]
@@ -233,6 +242,7 @@ impl<const ANY: bool> Job for Cast<'_, ANY> {
             walk_tree::<T, _, _>(&mesh.bvh, &start.ray, limit, &mut NoCount, &mut hits);
         }
         match hits.pending {
+            Some(_) if !WHERE => Some(Root { t: 0.0, part: 0 }),
             Some((packet, lane, _)) => hits.certain(packet, lane).or(hits.best),
             None => hits.best,
         }
@@ -354,7 +364,9 @@ impl<T: Test, const ANY: bool> Leaves<T, NoCount> for Hits<'_, T, ANY> {
                         }
                         self.before = from;
                         self.depth = to;
-                        self.limit = self.limit.min(to * self.limits + f32::MIN_POSITIVE);
+                        // Shorter than the minimum of numbers that may be NaN.
+                        let limit = to * self.limits + f32::MIN_POSITIVE;
+                        self.limit = if limit < self.limit { limit } else { self.limit };
                         continue;
                     }
                     if self.pending.is_some_and(|(_, _, end)| from > end) {

@@ -104,6 +104,14 @@ impl<S: Pooled> Pool<S> {
         self.items.get(*self.place_of.get(index as usize)? as usize)
     }
 
+    /// Whether there is any hit with `t` in `[0, ray.t_max)`, as [`Shape::blocks`] has it, but sooner: what is certain is
+    /// not looked at again.
+    #[must_use]
+    pub fn hides(&self, ray: &LocalRay) -> bool {
+        // SAFETY: a tree's instruction set is one that the processor has.
+        unsafe { self.bvh.lanes().run(Cast::<S, true, false> { pool: self, ray }) }.is_some()
+    }
+
     /// The thing that a part belongs to; another one for parts of nothing.
     fn of_part(&self, part: u32) -> Option<&S> {
         self.get(part >> S::PART_BITS).or_else(|| self.items.first())
@@ -157,12 +165,12 @@ impl<S: Pooled> Shape for Pool<S> {
 
     fn intersect(&self, ray: &LocalRay) -> Option<Root> {
         // SAFETY: a tree's instruction set is one that the processor has.
-        unsafe { self.bvh.lanes().run(Cast::<S, false> { pool: self, ray }) }
+        unsafe { self.bvh.lanes().run(Cast::<S, false, true> { pool: self, ray }) }
     }
 
     fn blocks(&self, ray: &LocalRay) -> Option<Root> {
         // SAFETY: as above.
-        unsafe { self.bvh.lanes().run(Cast::<S, true> { pool: self, ray }) }
+        unsafe { self.bvh.lanes().run(Cast::<S, true, true> { pool: self, ray }) }
     }
 
     fn crossings(&self, _ray: &LocalRay, _out: &mut Vec<Crossing>) {}
@@ -191,13 +199,13 @@ impl<S: Pooled> Shape for Pool<S> {
     }
 }
 
-/// A ray and a pool, to be run on some instruction set.
-struct Cast<'a, S, const ANY: bool> {
+/// A ray and a pool, to be run on some instruction set. Without `WHERE`, all that is told is whether there is a hit.
+struct Cast<'a, S, const ANY: bool, const WHERE: bool> {
     pool: &'a Pool<S>,
     ray: &'a LocalRay,
 }
 
-impl<S: Pooled, const ANY: bool> Job for Cast<'_, S, ANY> {
+impl<S: Pooled, const ANY: bool, const WHERE: bool> Job for Cast<'_, S, ANY, WHERE> {
     type Output = Option<Root>;
 
     #[inline(always)]
@@ -223,6 +231,8 @@ impl<S: Pooled, const ANY: bool> Job for Cast<'_, S, ANY> {
         // SAFETY: the caller answers for the instruction set.
         unsafe { walk_tree::<T, _, _>(&pool.bvh, &start.ray, limit, &mut NoCount, &mut hits) };
         match hits.pending {
+            // One that the ray may leave must be asked.
+            Some(_) if !WHERE && ray.leaving.is_none() => Some(Root { t: 0.0, part: 0 }),
             Some((place, _)) => hits.exact(place).or(hits.best),
             None => hits.best,
         }

@@ -139,6 +139,24 @@ impl World {
         contacts: Contacts,
         counter: &mut C,
     ) -> bool {
+        if contacts == Contacts::CROSSED
+            && let Some(object) = self.single()
+            && is_usable(ray, t_max)
+        {
+            // Whether there is a hit takes less than which one.
+            let local = || single_ray(object, ray, t_max, departure);
+            match &object.shape {
+                AnyShape::Mesh(mesh) => {
+                    counter.shapes(1);
+                    return mesh.hides(&local());
+                }
+                AnyShape::Spheres(spheres) => {
+                    counter.shapes(1);
+                    return spheres.hides(&local());
+                }
+                _ => {}
+            }
+        }
         self.any(ray, t_max, departure, contacts, counter).is_some()
     }
 

@@ -24,19 +24,19 @@ pub(crate) struct Spread {
     near: [__m256; 3],
     far: [__m256; 3],
     inverse: [__m256; 3],
-    /// Where in a node the near planes are, in bytes, and the far ones.
-    first: [usize; 3],
-    last: [usize; 3],
+    /// Where the first node's near planes are, and its far ones.
+    first: [*const u8; 3],
+    last: [*const u8; 3],
 }
 
-/// The distances to the near and the far planes, the latter at most the limit.
+/// The distances to the near and the far planes of a node, the latter at most the limit.
 ///
 /// # Safety
-/// The processor has AVX2 and FMA.
+/// The processor has AVX2 and FMA, and the ray was spread for nodes of which there are more than `index`.
 #[inline(always)]
-pub(super) unsafe fn slabs(node: &Node, ray: &Spread, limit: f32) -> (__m256i, __m256i) {
-    // SAFETY: `first` is 2 * axis or one more, and the other plane of the axis the one of the two that it is not.
-    // The caller answers for the instruction set.
+pub(super) unsafe fn slabs(index: usize, ray: &Spread, limit: f32) -> (__m256i, __m256i) {
+    let node = index * size_of::<Node>();
+    // SAFETY: `first` and `last` are planes of the first node. The caller answers for the index and the instruction set.
     unsafe {
         let Spread { near, far, inverse, first, last } = ray;
         let x = slab(node, first[0], inverse[0], near[0]);
@@ -57,7 +57,8 @@ pub(super) unsafe fn slabs(node: &Node, ray: &Spread, limit: f32) -> (__m256i, _
 /// # Safety
 /// The processor has AVX2 and FMA.
 #[inline(always)]
-pub(super) unsafe fn spread(ray: &BoxRay) -> Spread {
+pub(super) unsafe fn spread(ray: &BoxRay, nodes: &[Node]) -> Spread {
+    let start = nodes.as_ptr().cast::<u8>();
     // SAFETY: the caller answers for the instruction set.
     unsafe {
         let [x, y, z] = ray.negative;
@@ -66,8 +67,16 @@ pub(super) unsafe fn spread(ray: &BoxRay) -> Spread {
             near: all(ray.near),
             far: all(ray.far),
             inverse: all(ray.inverse),
-            first,
-            last: [first[0] ^ PLANE, first[1] ^ PLANE, first[2] ^ PLANE],
+            first: [
+                start.wrapping_add(first[0]),
+                start.wrapping_add(first[1]),
+                start.wrapping_add(first[2]),
+            ],
+            last: [
+                start.wrapping_add(first[0] ^ PLANE),
+                start.wrapping_add(first[1] ^ PLANE),
+                start.wrapping_add(first[2] ^ PLANE),
+            ],
         }
     }
 }
@@ -77,16 +86,16 @@ impl Test for Avx2 {
     type Eight = eight::Register;
 
     #[inline(always)]
-    unsafe fn spread(ray: &BoxRay) -> Spread {
+    unsafe fn spread(ray: &BoxRay, nodes: &[Node]) -> Spread {
         // SAFETY: the caller answers for the instruction set.
-        unsafe { spread(ray) }
+        unsafe { spread(ray, nodes) }
     }
 
     #[inline(always)]
-    unsafe fn enter(node: &Node, ray: &Spread, limit: f32) -> (Entries, u32) {
+    unsafe fn enter(_: &[Node], index: usize, ray: &Spread, limit: f32) -> (Entries, u32) {
         // SAFETY: the caller answers for the instruction set; the array has the size of a register.
         unsafe {
-            let (near, far) = slabs(node, ray, limit);
+            let (near, far) = slabs(index, ray, limit);
             let missed = _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpgt_epi32(near, far)));
             let mut entries = [0.0; WIDTH];
             _mm256_storeu_ps(entries.as_mut_ptr(), _mm256_castsi256_ps(near));
@@ -339,17 +348,17 @@ unsafe fn offset(rows: &[[f32; WIDTH]; 3], aim: &Aim, axis: usize) -> __m256 {
     }
 }
 
-/// Distances to planes of all boxes.
+/// Distances to planes of all boxes of a node: how far it is from the first one, and where that has these planes.
 ///
 /// # Safety
-/// The processor has AVX2 and FMA; `plane` is one of six.
+/// The processor has AVX2 and FMA; there are such planes.
 #[inline(always)]
-unsafe fn slab(node: &Node, plane: usize, inverse: __m256, origin: __m256) -> __m256i {
-    // SAFETY: the caller answers for the plane and the instruction set; nodes are aligned to 64 bytes and a
+unsafe fn slab(node: usize, plane: *const u8, inverse: __m256, origin: __m256) -> __m256i {
+    // SAFETY: the caller answers for the planes and the instruction set; nodes are aligned to 64 bytes and a
     // plane has 32.
     unsafe {
-        let plane = std::ptr::from_ref(node).cast::<u8>().add(plane).cast();
-        _mm256_castps_si256(_mm256_fmsub_ps(_mm256_load_ps(plane), inverse, origin))
+        let planes = _mm256_load_ps(plane.add(node).cast());
+        _mm256_castps_si256(_mm256_fmsub_ps(planes, inverse, origin))
     }
 }
 

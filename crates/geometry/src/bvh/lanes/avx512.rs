@@ -3,13 +3,14 @@
 
 use std::arch::x86_64::{
     _CMP_GE_OQ, _CMP_GT_OQ, _CMP_LE_OQ, _CMP_NGT_UQ, _CMP_NLT_UQ, _mm256_add_ps,
-    _mm256_castsi256_ps, _mm256_cmp_ps_mask, _mm256_cmple_epi32_mask, _mm256_mask_cmp_ps_mask,
-    _mm256_mul_ps, _mm256_set1_ps, _mm256_setzero_ps, _mm256_storeu_ps, _mm256_sub_ps,
+    _mm256_castsi256_ps, _mm256_cmp_ps_mask, _mm256_cmple_epi32_mask, _mm256_cvtsi256_si32,
+    _mm256_load_si256, _mm256_mask_cmp_ps_mask, _mm256_maskz_compress_epi32, _mm256_mul_ps,
+    _mm256_set1_ps, _mm256_setzero_ps, _mm256_storeu_ps, _mm256_sub_ps,
 };
 
 use super::avx2::{self, Closer, Ranges, Spread};
 use super::ball_lanes::{Apart, Entered, apart, entered};
-use super::{Aim, BallRay, Balls, BoxRay, Entries, Node, Packet, Sight, Test, WIDTH, eight};
+use super::{Aim, BallRay, Balls, BoxRay, Child, Entries, Node, Packet, Sight, Test, WIDTH, eight};
 
 pub(crate) struct Avx512;
 
@@ -18,20 +19,31 @@ impl Test for Avx512 {
     type Eight = eight::Register;
 
     #[inline(always)]
-    unsafe fn spread(ray: &BoxRay) -> Spread {
+    unsafe fn spread(ray: &BoxRay, nodes: &[Node]) -> Spread {
         // SAFETY: the caller answers for the instruction set, which contains AVX2 and FMA.
-        unsafe { avx2::spread(ray) }
+        unsafe { avx2::spread(ray, nodes) }
     }
 
     #[inline(always)]
-    unsafe fn enter(node: &Node, ray: &Spread, limit: f32) -> (Entries, u32) {
+    unsafe fn enter(_: &[Node], index: usize, ray: &Spread, limit: f32) -> (Entries, u32) {
         // SAFETY: as above; the array has the size of a register.
         unsafe {
-            let (near, far) = avx2::slabs(node, ray, limit);
+            let (near, far) = avx2::slabs(index, ray, limit);
             let entered = _mm256_cmple_epi32_mask(near, far);
             let mut entries = [0.0; WIDTH];
             _mm256_storeu_ps(entries.as_mut_ptr(), _mm256_castsi256_ps(near));
             (entries, u32::from(entered))
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn only(node: &Node, entered: u32) -> Child {
+        // SAFETY: as above; a node's children are eight words, aligned to their size. This is sooner known than the number
+        // of the bit and then what lies there.
+        unsafe {
+            let children = _mm256_load_si256(std::ptr::from_ref(&node.children).cast());
+            let first = _mm256_maskz_compress_epi32(entered as u8, children);
+            Child(_mm256_cvtsi256_si32(first) as u32)
         }
     }
 

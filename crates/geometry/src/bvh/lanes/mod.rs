@@ -15,7 +15,7 @@ use dioptric_math::DVec3;
 
 use super::balls::{BallRay, Balls};
 use super::triangles::{Aim, Packet, Sight};
-use super::{BoxRay, Node, WIDTH};
+use super::{BoxRay, Child, Node, WIDTH};
 
 /// Instruction sets that the queries know, worst first.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -39,7 +39,8 @@ impl Lanes {
                 && is_x86_feature_detected!("fma")
                 && is_x86_feature_detected!("bmi1")
                 && is_x86_feature_detected!("bmi2")
-                && is_x86_feature_detected!("lzcnt");
+                && is_x86_feature_detected!("lzcnt")
+                && is_x86_feature_detected!("popcnt");
             let avx512 = is_x86_feature_detected!("avx512f")
                 && is_x86_feature_detected!("avx512vl")
                 && is_x86_feature_detected!("avx512dq");
@@ -93,14 +94,14 @@ impl Lanes {
 }
 
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,avx512f,avx512vl,avx512dq")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vl,avx512dq")]
 fn run_avx512<J: Job>(job: J) -> J::Output {
     // SAFETY: the features of this function.
     unsafe { job.run::<avx512::Avx512>() }
 }
 
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn run_avx2<J: Job>(job: J) -> J::Output {
     // SAFETY: the features of this function.
     unsafe { job.run::<avx2::Avx2>() }
@@ -116,17 +117,27 @@ pub(crate) trait Test {
     /// Eight numbers side by side.
     type Eight: eight::Eight;
 
-    /// Spreads a ray.
+    /// Spreads a ray that goes through these nodes.
     ///
     /// # Safety
     /// The processor has the instruction set.
-    unsafe fn spread(ray: &BoxRay) -> Self::Spread;
+    unsafe fn spread(ray: &BoxRay, nodes: &[Node]) -> Self::Spread;
 
-    /// Where the ray enters the boxes, and a bit for each box that it enters at `limit` or before.
+    /// Where the ray enters the boxes of a node, and a bit for each box that it enters at `limit` or before.
+    ///
+    /// # Safety
+    /// The processor has the instruction set, the ray was spread for these nodes, and the index is below their number.
+    unsafe fn enter(nodes: &[Node], index: usize, ray: &Self::Spread, limit: f32)
+    -> (Entries, u32);
+
+    /// The only child that is entered, when there is one.
     ///
     /// # Safety
     /// The processor has the instruction set.
-    unsafe fn enter(node: &Node, ray: &Self::Spread, limit: f32) -> (Entries, u32);
+    #[inline(always)]
+    unsafe fn only(node: &Node, entered: u32) -> Child {
+        node.children[entered.trailing_zeros() as usize % WIDTH]
+    }
 
     /// Which triangles the line may pass, with depths within those of `depths`.
     ///

@@ -12,12 +12,14 @@ impl Test for Plain {
     type Eight = eight::Halves;
 
     #[inline(always)]
-    unsafe fn spread(ray: &BoxRay) -> BoxRay {
+    unsafe fn spread(ray: &BoxRay, _: &[Node]) -> BoxRay {
         *ray
     }
 
     #[inline(always)]
-    unsafe fn enter(node: &Node, ray: &BoxRay, limit: f32) -> (Entries, u32) {
+    unsafe fn enter(nodes: &[Node], index: usize, ray: &BoxRay, limit: f32) -> (Entries, u32) {
+        // SAFETY: the caller answers for the index.
+        let node = unsafe { nodes.get_unchecked(index) };
         let mut near = [0.0_f32; WIDTH];
         let mut far = [limit; WIDTH];
         for axis in 0..3 {
