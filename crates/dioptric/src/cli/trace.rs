@@ -91,8 +91,8 @@ pub fn run(args: &TraceArgs, terminal: &Terminal) -> Result<(), Failure> {
         let started = Instant::now();
         pool.install(|| match (args.batch, args.any) {
             (true, is_any) => batches(&world, rays, &mut answers, is_any),
-            (false, true) => each(rays, &mut answers, |ray| any(&world, &parse(ray))),
-            (false, false) => each(rays, &mut answers, |ray| distance(&world, &parse(ray))),
+            (false, true) => each(rays, &mut answers, |ray| any(&world, &Line(parse(ray)).0)),
+            (false, false) => each(rays, &mut answers, |ray| distance(&world, &Line(parse(ray)).0)),
         });
         let seconds = started.elapsed().as_secs_f64();
         if round >= warm_up {
@@ -208,6 +208,10 @@ fn read_rays(path: &str) -> Result<Vec<u8>, Failure> {
     }
     Ok(bytes)
 }
+
+/// A ray in one cache line: what is written across the end of one cannot be read on before it is in the cache.
+#[repr(align(64))]
+struct Line(Ray);
 
 fn parse(ray: &[u8; RAY_BYTES]) -> Ray {
     let (numbers, _) = ray.as_chunks::<4>();

@@ -87,10 +87,16 @@ impl Lanes {
             #[cfg(target_arch = "x86_64")]
             // SAFETY: as above.
             Self::Avx2 => unsafe { run_avx2(job) },
-            // SAFETY: there is no instruction set to answer for.
-            _ => unsafe { job.run::<plain::Plain>() },
+            _ => run_plain(job),
         }
     }
+}
+
+/// On its own, or whoever asks would make room on the stack for it, whatever the instruction set is.
+#[inline(never)]
+fn run_plain<J: Job>(job: J) -> J::Output {
+    // SAFETY: there is no instruction set to answer for.
+    unsafe { job.run::<plain::Plain>() }
 }
 
 #[cfg(target_arch = "x86_64")]
