@@ -24,6 +24,7 @@ pub mod input;
 pub mod integrator;
 pub mod job;
 pub mod light;
+pub mod manifold;
 pub mod material;
 pub mod noise;
 mod observer;

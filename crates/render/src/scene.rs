@@ -20,6 +20,7 @@ use crate::integrator::media::Medium;
 use crate::integrator::path::arrive::Plains;
 use crate::integrator::recorder::SourcePlace;
 use crate::light::AnyLight;
+use crate::manifold::Casters;
 use crate::material::{Dressed, Finish, Interior, Relief};
 use crate::pattern::PatternPoint;
 use crate::setting::background::Background;
@@ -112,6 +113,8 @@ pub struct Scene {
     pub guide: Option<Guide>,
     /// What paths meet without looking at shapes and materials; empty for other integrators.
     pub(crate) plains: Plains,
+    /// Balls over which paths look for light.
+    pub casters: Casters,
     /// Light that comes from everywhere.
     pub ambient: Spectrum,
     /// What is seen where nothing is hit.

@@ -15,6 +15,7 @@ use crate::camera::AnyCamera;
 use crate::integrator::path::arrive::Plains;
 use crate::light::AnyLight;
 use crate::light::directional::Directional;
+use crate::manifold::Casters;
 use crate::scene::{Insides, PlacedLight, Scene};
 use crate::setting::background::Background;
 use crate::setting::develop;
@@ -117,6 +118,7 @@ pub fn compile(
         sources: Sources::default(),
         guide: None,
         plains: Plains::default(),
+        casters: Casters::default(),
         ambient,
         background,
         fog,
@@ -136,6 +138,7 @@ pub fn compile(
     if scene.settings.integrator == Integrator::Path {
         scene.sources = Sources::new(&scene);
         scene.plains = Plains::of(&scene);
+        scene.casters = Casters::new(&scene);
         if scene.settings.caustics > 0 {
             scene.guide = crate::integrator::path::photons::guide(&scene, scene.settings.caustics);
         }

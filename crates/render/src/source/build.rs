@@ -250,7 +250,7 @@ fn moved(patch: Patch, place: DAffine3) -> Patch {
 }
 
 /// The factor of lengths, where that is the same in all directions and angles stay.
-fn similarity(m: &DMat3) -> Option<f64> {
+pub(crate) fn similarity(m: &DMat3) -> Option<f64> {
     let [x, y, z] = [m.x_axis, m.y_axis, m.z_axis];
     let scale2 = (x.length_squared() + y.length_squared() + z.length_squared()) / 3.0;
     let near = |a: f64, b: f64| (a - b).abs() <= 1e-14 * scale2;

@@ -7,13 +7,14 @@
 //! SIGGRAPH 1995). What cannot be looked for has the density 0: rays find it, and it counts in full.
 
 mod ball;
-mod build;
+pub(crate) mod build;
 mod choice;
 mod emitter;
 mod faces;
 mod foci;
 mod lanes;
 mod patch;
+mod place;
 mod rectangle;
 mod ring;
 mod sheet;

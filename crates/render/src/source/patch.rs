@@ -105,6 +105,52 @@ impl Patch {
         }
     }
 
+    /// Whether it has places that can be picked wherever they are seen from.
+    pub const fn has_places(&self) -> bool {
+        !matches!(self, Self::Moved(_))
+    }
+
+    /// A point of it wherever it is seen from: uniform over the area, of a ball over those parts that are seen.
+    pub fn place(&self, point: DVec3, u: [f64; 2]) -> Option<Found> {
+        let (there, normal, part) = match self {
+            Self::Ball(ball) => return ball.sample(point, u),
+            Self::Faces(faces) => faces.point(u)?,
+            Self::Ring(ring) => (ring.point(u), ring.normal, 0),
+            Self::Triangles(triangles) => {
+                let (there, face) = triangles.point(u)?;
+                (there, face.normal(), face.part())
+            }
+            Self::Sheet(sheet) => sheet.point(u).map(|(p, n)| (p, n, 0))?,
+            Self::Tube(tube) => tube.point(u),
+            Self::Moved(_) => return None,
+        };
+        let way = there - point;
+        let distance = way.length();
+        let direction = way / distance;
+        let met = Met { direction, distance, normal };
+        Some(Found {
+            direction,
+            distance,
+            normal,
+            density: self.density_of_place(point, &met),
+            part,
+        })
+    }
+
+    /// The density with which [`Self::place`] finds what a ray met of it.
+    pub fn density_of_place(&self, point: DVec3, met: &Met) -> f64 {
+        let area = match self {
+            Self::Ball(ball) => return ball.density(point),
+            Self::Faces(faces) => faces.area(),
+            Self::Ring(ring) => ring.area(),
+            Self::Triangles(triangles) => triangles.area(),
+            Self::Sheet(sheet) => sheet.area(),
+            Self::Tube(tube) => tube.area(),
+            Self::Moved(_) => return 0.0,
+        };
+        met.per_solid_angle(1.0 / area)
+    }
+
     /// The density with which [`Self::sample`] finds what a ray met of it.
     pub fn density(&self, point: DVec3, met: &Met) -> f64 {
         match self {

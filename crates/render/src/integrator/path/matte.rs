@@ -9,6 +9,7 @@ use dioptric_math::wide::{Kernel, wide};
 use dioptric_math::{DVec3, Spectrum, orthonormal_basis};
 
 use super::arrive::{Arrivals, Arrive, Record, bits};
+use super::manifold::{Asking, Asks, Bends, NUMBERS, Over};
 use super::weights::{MOST, SURE, WORTH, share};
 use super::{Path, Paths, Round, Wave};
 use crate::bsdf::{cosine_pdf, raised_disc};
@@ -221,7 +222,7 @@ impl<R: Recorder> Paths<'_, '_, R> {
 
     /// Lights the matte points and sends their paths on.
     pub(super) fn scatter_matte(&mut self, now: &Wave, round: &mut Round<R::Id>) {
-        let Round { matte, next, paths, .. } = round;
+        let Round { matte, next, paths, asks, bends, .. } = round;
         let count = std::mem::take(&mut matte.count);
         if count == 0 {
             return;
@@ -229,6 +230,10 @@ impl<R: Recorder> Paths<'_, '_, R> {
         let all = if count < LANES { (1 << count) - 1 } else { u16::MAX };
         let scene = self.scene;
         self.arrive(now, matte, paths, all);
+        let asking = !scene.casters.is_empty();
+        if asking {
+            self.ask_over_lanes(paths, matte, count, (asks, bends));
+        }
         wide(Numbers(matte));
         let found = scene.sources.sample_lanes(scene, &mut matte.rays, &mut matte.looks, all);
         let how = scene.settings.light_sampling;
@@ -251,11 +256,38 @@ impl<R: Recorder> Paths<'_, '_, R> {
             path.depth += 1;
             path.walked = 0.0;
             path.trail = path.trail.then(false);
-            path.stream = path.stream.ahead(if matte.unsure[lane] == 0.0 { 3 } else { 4 });
+            path.over = Over::No;
+            path.stream = path.stream.ahead(match () {
+                () if asking => NUMBERS,
+                () if matte.unsure[lane] == 0.0 => 3,
+                () => 4,
+            });
             next.slots.push(slot);
             next.rays.push_lane(&matte.rays, lane, get(&matte.next, lane), f64::INFINITY);
         }
         self.counts.reflect += gone;
+    }
+
+    /// Asks for light over balls.
+    fn ask_over_lanes(
+        &self,
+        paths: &[Path<R::Id>],
+        matte: &Matte,
+        count: usize,
+        (asks, bends): (&mut Asks<R::Id>, &mut Bends<R::Id>),
+    ) {
+        for lane in 0..count {
+            let path = &paths[matte.slots[lane] as usize];
+            if path.inside.is_some() {
+                continue;
+            }
+            let normal = get(&matte.looks.normal, lane);
+            let geometric = get(&matte.geometric, lane);
+            let asking = Asking { normal, geometric, query: matte.rays.query(lane) };
+            let throughput = get(&matte.throughput, lane);
+            let albedo = get(&matte.albedo, lane);
+            self.ask_over_soon(&Path { throughput, ..*path }, albedo, &asking, asks, bends);
+        }
     }
 
     /// What is between things dims light of sources; returns those of which some is left.

@@ -13,6 +13,7 @@
 //! What differs from Whitted's meaning of a scene stands in the manual, `path.md`.
 
 pub(crate) mod arrive;
+mod manifold;
 mod matte;
 mod phase;
 pub(crate) mod photons;
@@ -41,6 +42,7 @@ use crate::sampling::stream::Stream;
 use crate::scene::Scene;
 use crate::setting::render::Shadows;
 use crate::stats::RayCounts;
+use manifold::{Anchor, Asks, Bends, Over};
 use matte::Matte;
 use tell::{Told, Trail};
 
@@ -56,6 +58,8 @@ pub struct Paths<'a, 'r, R: Recorder> {
     media: Media,
     /// By the sample's number.
     radiances: Vec<Radiance>,
+    /// The same, in scenes with balls over which light is looked for.
+    anchors: Vec<Anchor>,
     /// Whether matte points are taken sixteen at a time.
     in_lanes: bool,
     /// Where these paths are photons: those that have come.
@@ -89,6 +93,7 @@ struct Path<I> {
     hint: f64,
     stream: Stream,
     trail: Trail,
+    over: Over,
 }
 
 impl<I> Path<I> {
@@ -110,6 +115,7 @@ impl<I> Path<I> {
             hint: 0.0,
             stream,
             trail: Trail::default(),
+            over: Over::No,
         }
     }
 }
@@ -151,6 +157,8 @@ struct Round<I> {
     tasks: Vec<Task<I>>,
     told: Vec<Told>,
     blockers: Vec<Option<HitId>>,
+    asks: Asks<I>,
+    bends: Bends<I>,
     spare: Spare,
     /// Paths that end with this step.
     ended: Vec<(u32, I)>,
@@ -161,7 +169,8 @@ impl<'a, 'r, R: Recorder> Paths<'a, 'r, R> {
     pub fn new(scene: &'a Scene, counts: &'r mut RayCounts, recorder: &'r mut R) -> Self {
         let media = Media::new(scene.surroundings.ior);
         let in_lanes = matte::in_lanes(scene) && !R::ENABLED;
-        Self { scene, counts, recorder, media, radiances: Vec::new(), in_lanes, photons: None }
+        let (radiances, anchors) = (Vec::new(), Vec::new());
+        Self { scene, counts, recorder, media, radiances, anchors, in_lanes, photons: None }
     }
 
     /// The radiance that each camera's ray brings, and what it met first; nothing if cancelled meanwhile.
@@ -171,6 +180,9 @@ impl<'a, 'r, R: Recorder> Paths<'a, 'r, R> {
         cancel: &AtomicBool,
     ) -> Vec<Radiance> {
         self.radiances.resize(rays.len(), Radiance::NOTHING);
+        if !self.scene.casters.is_empty() {
+            self.anchors.resize(rays.len(), Anchor::NOTHING);
+        }
         let mut round = Round::default();
         let mut rays = rays.zip(0..);
         let mut left = self.radiances.len();
@@ -240,6 +252,8 @@ impl<'a, 'r, R: Recorder> Paths<'a, 'r, R> {
         }
         self.scatter_matte(&now, round);
         self.cast_shadows(round);
+        self.answer(&mut round.asks, &mut round.bends);
+        self.cast_bends(round);
         for (sample, id) in round.ended.drain(..) {
             self.recorder.end(id, Spectrum::ONE, self.radiances[sample as usize].color);
         }
@@ -324,6 +338,9 @@ impl Paths<'_, '_, Silent> {
         let (scene, before) = (self.scene, out.len());
         self.radiances = std::mem::take(out);
         self.radiances.resize(before + shots.len(), Radiance::NOTHING);
+        if !self.scene.casters.is_empty() {
+            self.anchors.resize(self.radiances.len(), Anchor::NOTHING);
+        }
         let (mut round, mut places) = (Round::default(), Places::CORNER);
         let mut sample = before as u32;
         for shots in shots.chunks(TOGETHER) {
@@ -395,6 +412,8 @@ impl<I> Default for Round<I> {
             tasks: Vec::with_capacity(TOGETHER),
             told: Vec::new(),
             blockers: Vec::with_capacity(TOGETHER),
+            asks: Asks::new(),
+            bends: Bends::new(),
             spare: Spare::default(),
             ended: Vec::new(),
         }

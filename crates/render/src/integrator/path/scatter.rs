@@ -4,6 +4,7 @@
 use dioptric_math::{DVec3, Spectrum, orthonormal_basis};
 use serde_json::{Value, json};
 
+use super::manifold::{Asking, NUMBERS, Over};
 use super::tell::{Told, What};
 use super::weights::{carries_on, share_of_question};
 use super::{Path, Paths, Round, Task};
@@ -66,6 +67,9 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
             aim = scene.guide.as_ref().and_then(|g| g.aim(vertex.point.surface.point));
             let u = stream.next_2d();
             self.ask_source(path, vertex, aim.as_ref(), pick_source, u, round);
+            if !scene.casters.is_empty() {
+                self.ask_balls(path, vertex, aim.as_ref(), round);
+            }
         }
         let u = stream.next_2d();
         let mut hint = if vertex.bsdf.is_sharp() { path.hint } else { 0.0 };
@@ -92,8 +96,13 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
             trail: path.trail.then(sharp),
             walked: 0.0,
             hint,
+            over: Over::No,
             ..*path
         };
+        if sharp && !scene.casters.is_empty() {
+            let Point { ray, hit, outside, .. } = &vertex.point;
+            next.over = self.over(path, ray, hit, *outside, through);
+        }
         let leg = if through {
             self.counts.refract += 1;
             next.inside = vertex.sides.far;
@@ -126,8 +135,29 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
             }
             told
         });
-        next.stream = stream;
+        next.stream = if scene.casters.is_empty() { stream } else { path.stream.ahead(NUMBERS) };
         round.go_on(Some((next, leg.query(f64::INFINITY))))
+    }
+
+    /// Asks for light over balls.
+    fn ask_balls(
+        &self,
+        path: &Path<R::Id>,
+        vertex: &Vertex,
+        aim: Option<&Aim>,
+        round: &mut Round<R::Id>,
+    ) {
+        let (Some(normal), None) = (vertex.light_side(), path.inside) else { return };
+        let geometric = vertex.point.geometric();
+        let asking = Asking { normal, geometric, query: vertex.point.to_light() };
+        self.ask_over(path, &asking, round, |direction| {
+            let wi = vertex.frame.to_local(direction);
+            let (scattered, density) = vertex.bsdf.eval_pdf(vertex.wo, wi);
+            match aim {
+                Some(aim) => (scattered, guided(aim.density(direction), density)),
+                None => (scattered, density),
+            }
+        });
     }
 
     /// Picks a source and asks whether it is seen.

@@ -6,6 +6,7 @@ use dioptric_geometry::world::{Hit, Query};
 use dioptric_math::{DVec3, Spectrum};
 use serde_json::json;
 
+use super::manifold::Over;
 use super::scatter::{Frame, Vertex};
 use super::tell::{Told, What};
 use super::volume::Way;
@@ -180,16 +181,20 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
             return;
         }
         let Query { ray, .. } = query;
-        let weight = share_of_path(scene.settings.light_sampling, path.density, || {
-            scene.sources.density_of_hit(
-                scene,
-                path.from(query),
-                path.normal,
-                &point.hit,
-                &point.surface,
-                ray.direction,
-            )
-        });
+        let weight = if path.over == Over::No {
+            share_of_path(scene.settings.light_sampling, path.density, || {
+                scene.sources.density_of_hit(
+                    scene,
+                    path.from(query),
+                    path.normal,
+                    &point.hit,
+                    &point.surface,
+                    ray.direction,
+                )
+            })
+        } else {
+            self.share_over(path, ray, &point.hit, &point.surface)
+        };
         let what = What::Object(point.hit.id);
         self.add(path, path.throughput * emission * weight, || {
             Told::seen(what, path.trail, weight)
