@@ -132,8 +132,8 @@ impl Facets {
 }
 
 /// The mirror image of `wo`, above the surface.
-#[inline]
-pub(super) fn image(wo: DVec3) -> DVec3 {
+#[inline(always)]
+pub(crate) fn image(wo: DVec3) -> DVec3 {
     DVec3::new(-wo.x, -wo.y, wo.z.max(LOWEST))
 }
 

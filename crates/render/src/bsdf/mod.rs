@@ -52,6 +52,7 @@ mod uneven;
 
 pub(crate) use diffuse::{cosine_pdf, raised_disc};
 pub(crate) use fuzz::FuzzShare;
+pub(crate) use ggx::image;
 pub use lobe::Lobe;
 
 /// The sides of a surface, as a path meets it.

@@ -88,6 +88,12 @@ impl Media {
         false
     }
 
+    /// Whether the ray is inside this object and nothing else.
+    #[must_use]
+    pub fn is_last(&self, inside: Inside, object: &HitId) -> bool {
+        self.entry(inside).is_some_and(|(m, outer)| outer.is_none() && m.object.same_object(object))
+    }
+
     /// What the innermost medium, or what fills the space between things, leaves of light over a distance in the space
     /// of rays; fog aside.
     #[must_use]

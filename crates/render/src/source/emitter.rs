@@ -9,7 +9,7 @@ use dioptric_math::bounds::gamma;
 use dioptric_math::{DVec3, Spectrum};
 
 use super::faces::{Face, Faces};
-use super::patch::{Found, Patch};
+use super::patch::{Found, Met, Patch};
 use super::sky::Sky;
 use super::{brightness, shining};
 use crate::light::AnyLight;
@@ -71,8 +71,10 @@ impl Lamp {
     pub fn pass(&self, point: DVec3, direction: DVec3) -> Option<(f64, Spectrum, f64)> {
         let pass = self.light.pass(point, direction)?;
         let density = match &self.patch {
-            // Of flat faces the density does not depend on the place.
-            Some(Patch::Faces(faces)) => faces.density(point),
+            Some(Patch::Faces(faces)) => {
+                let normal = faces.faces().first().map_or(DVec3::ZERO, Face::normal);
+                faces.density(point, &Met { direction, distance: pass.distance, normal })
+            }
             _ => pass.density,
         };
         Some((pass.distance, pass.arriving * (PI * pass.density), density))

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Flat faces with straight sides, found uniformly over the solid angle that they fill.
+//! Flat faces with straight sides, found uniformly over the solid angle that they fill; a rectangle that is alone and far
+//! away, uniformly over its area.
 //!
 //! Everything is worked out from differences of corners that stay exact far away, so that a face that fills
 //! 1e-20 of the sky is sampled as well as one that fills half of it.
@@ -7,8 +8,8 @@
 use dioptric_math::bounds::gamma;
 use dioptric_math::{DVec3, atan2, normalize, sin};
 
-use super::patch::Found;
-use super::rectangle::{Rectangle, View};
+use super::patch::{Found, Met};
+use super::rectangle::{Rectangle, Spot, View};
 
 /// A triangle, or a rectangle (right-angled).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -123,6 +124,12 @@ impl Face {
         };
         let usable = whole > 0.0 && whole.is_finite();
         usable.then_some(Seen { a, height, det, view, solid_angle: whole })
+    }
+
+    /// A place on it that was picked by its area.
+    const fn spot(&self, spot: &Spot) -> Found {
+        let Spot { direction, distance, density, .. } = *spot;
+        Found { direction, distance, normal: self.normal, density, part: self.part }
     }
 
     /// The part of the face in one of the directions in which it is seen, uniform over them.
@@ -301,7 +308,11 @@ impl Faces {
 
     pub fn sample(&self, point: DVec3, u: [f64; 2]) -> Option<Found> {
         if let [face] = self.faces.as_slice() {
-            return face.sample(&face.seen(point, face.height(point)?)?, u);
+            let height = face.height(point)?;
+            return match face.rectangle().filter(|r| r.is_far(point)) {
+                Some(far) => Some(face.spot(&far.spot(point, u))),
+                None => face.sample(&face.seen(point, height)?, u),
+            };
         }
         let (all, sum) = self.seen(point);
         let mut rest = u[0] * sum;
@@ -316,8 +327,13 @@ impl Faces {
         None
     }
 
-    pub fn density(&self, point: DVec3) -> f64 {
+    /// The density with which [`Self::sample`] finds what a ray met of it.
+    pub fn density(&self, point: DVec3, met: &Met) -> f64 {
         let sum = match self.faces.as_slice() {
+            [face] if face.rectangle().is_some_and(|r| r.is_far(point)) => {
+                let per_area = face.height(point).map_or(0.0, |_| 1.0 / face.area);
+                return met.per_solid_angle(per_area);
+            }
             [face] => {
                 let seen = face.height(point).and_then(|h| face.seen(point, h));
                 seen.map_or(0.0, |s| s.solid_angle)

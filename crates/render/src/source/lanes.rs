@@ -9,7 +9,7 @@ use super::ball::Ball;
 use super::choice::{Choice, Picks};
 use super::emitter::{Emitter, Flat, Glow, Reach};
 use super::patch::{Found, Patch};
-use super::rectangle::Rectangle;
+use super::rectangle::{Look, Rectangle, Spot};
 use super::{SourceSample, Sources};
 use crate::scene::Scene;
 
@@ -94,7 +94,7 @@ impl Sources {
         }
         let (mut found, mut left) = (0, wanted);
         if let Some(only) = &self.only {
-            let [fit, odd] = wide(Look { only, rays, looks });
+            let [fit, odd] = wide(LookAtOnly { only, rays, looks, wanted });
             (found, left) = (wanted & fit & !odd, wanted & odd);
         }
         while left != 0 {
@@ -207,41 +207,67 @@ impl Kernel for LookAtBalls<'_> {
 }
 
 /// Which lanes find light, and which must look for it alone.
-struct Look<'a> {
+struct LookAtOnly<'a> {
     only: &'a Only,
     rays: &'a mut Bundle,
     looks: &'a mut Looks,
+    wanted: u16,
 }
 
-impl Kernel for Look<'_> {
+impl Kernel for LookAtOnly<'_> {
     type Output = [u16; 2];
 
     #[inline(always)]
     fn run(self) -> [u16; 2] {
-        let Self { only, rays, looks } = self;
+        let Self { only, rays, looks, wanted } = self;
         let Only { rectangle, radiance, reach, flat, rounding } = only.clone();
         let ([px, py, pz], [nx, ny, nz], [u0, u1]) = (&rays.origin, &looks.normal, &looks.u);
         let ([dx, dy, dz], length) = (&mut rays.direction, &mut rays.t_max);
         let ([vx, vy, vz], pdf) = (&mut looks.value, &mut looks.pdf);
         let (mut fit, mut odd) = ([0.0; LANES], [0.0; LANES]);
+        let mut near = 0;
+        for i in 0..LANES {
+            let point = DVec3::new(px[i], py[i], pz[i]);
+            near |= u16::from(!rectangle.is_far(point)) << i;
+        }
         for i in 0..LANES {
             let point = DVec3::new(px[i], py[i], pz[i]);
             let normal = DVec3::new(nx[i], ny[i], nz[i]);
-            let view = rectangle.view(point);
-            let look = rectangle.look(&view, [u0[i], u1[i]]);
-            let density = 1.0 / view.solid_angle;
-            let value = radiance * (1.0 / density);
-            let short =
-                reach.short_of(rounding, point, &look.direction, look.distance, rectangle.normal);
-            (dx[i], dy[i], dz[i]) = (look.direction.x, look.direction.y, look.direction.z);
+            let spot = rectangle.spot(point, [u0[i], u1[i]]);
+            let value = radiance * (1.0 / spot.density);
+            let Spot { direction, distance, .. } = spot;
+            let short = reach.short_of(rounding, point, &direction, distance, rectangle.normal);
+            (dx[i], dy[i], dz[i]) = (direction.x, direction.y, direction.z);
             (vx[i], vy[i], vz[i]) = (value.x, value.y, value.z);
-            (length[i], pdf[i]) = (short, density);
-            let seen = reach.reaches(flat, point, normal) & !view.within;
-            odd[i] = if seen & (view.odd | !look.fits) { 1.0 } else { 0.0 };
-            let largest = value.x.max(value.y).max(value.z);
-            let sound = (largest > 0.0) & (largest < f64::INFINITY) & (density > 0.0);
-            let ahead = (look.distance > 0.0) & (look.distance < f64::INFINITY);
-            fit[i] = if seen & sound & ahead { 1.0 } else { 0.0 };
+            (length[i], pdf[i]) = (short, spot.density);
+            let seen = reach.reaches(flat, point, normal) & !spot.within;
+            fit[i] = if seen & sound(value, spot.density, distance) { 1.0 } else { 0.0 };
+        }
+        if near & wanted != 0 {
+            for i in 0..LANES {
+                let point = DVec3::new(px[i], py[i], pz[i]);
+                let normal = DVec3::new(nx[i], ny[i], nz[i]);
+                let view = rectangle.view(point);
+                let look = rectangle.look(&view, [u0[i], u1[i]]);
+                let density = 1.0 / view.solid_angle;
+                let value = radiance * (1.0 / density);
+                let Look { direction, distance, .. } = look;
+                let short = reach.short_of(rounding, point, &direction, distance, rectangle.normal);
+                let far = rectangle.is_far(point);
+                let keep = |old: &mut f64, new: f64| *old = if far { *old } else { new };
+                keep(&mut dx[i], direction.x);
+                keep(&mut dy[i], direction.y);
+                keep(&mut dz[i], direction.z);
+                keep(&mut vx[i], value.x);
+                keep(&mut vy[i], value.y);
+                keep(&mut vz[i], value.z);
+                keep(&mut length[i], short);
+                keep(&mut pdf[i], density);
+                let seen = reach.reaches(flat, point, normal) & !view.within;
+                let bent = !far & seen & (view.odd | !look.fits);
+                odd[i] = if bent { 1.0 } else { 0.0 };
+                keep(&mut fit[i], if seen & sound(value, density, distance) { 1.0 } else { 0.0 });
+            }
         }
         let (mut found, mut alone) = (0, 0);
         for i in 0..LANES {
@@ -250,4 +276,13 @@ impl Kernel for Look<'_> {
         }
         [found, alone]
     }
+}
+
+/// Whether light was found that is worth something, ahead.
+#[inline(always)]
+fn sound(value: Spectrum, density: f64, distance: f64) -> bool {
+    let largest = value.x.max(value.y).max(value.z);
+    let bright = (largest > 0.0) & (largest < f64::INFINITY);
+    let dense = (density > 0.0) & (density < f64::INFINITY);
+    bright & dense & (distance > 0.0) & (distance < f64::INFINITY)
 }

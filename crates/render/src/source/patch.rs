@@ -155,7 +155,7 @@ impl Patch {
     pub fn density(&self, point: DVec3, met: &Met) -> f64 {
         match self {
             Self::Ball(ball) => ball.density(point),
-            Self::Faces(faces) => faces.density(point),
+            Self::Faces(faces) => faces.density(point, met),
             Self::Ring(ring) => ring.density(point, met),
             Self::Triangles(triangles) => met.per_solid_angle(1.0 / triangles.area()),
             Self::Sheet(sheet) => met.per_solid_angle(1.0 / sheet.area()),

@@ -3,13 +3,15 @@
 //! everywhere. Which of them a ray has met is only known when it has been cast, so whoever asked shapes and materials one
 //! after the other would have to guess all the time; here their numbers are copied into lanes, and worked with there.
 
-use dioptric_geometry::world::{Bundle, Hit, Sixteen};
+use dioptric_geometry::world::{Bundle, Sixteen};
 use dioptric_geometry::{HitId, Plain};
 use dioptric_math::wide::Kernel;
 use dioptric_math::{DVec3, Spectrum};
 
+use crate::bsdf::is_smooth;
 use crate::integrator::lit::Vectors;
-use crate::scene::Scene;
+use crate::material::{Interior, Optics, Reflectance};
+use crate::scene::{Scene, SceneMaterial};
 
 const LANES: usize = Bundle::LANES;
 
@@ -20,15 +22,55 @@ const MOST: usize = 4096;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Plains(Vec<Option<Box<Record>>>);
 
-/// A rectangle or a ball with a matte material.
+/// A rectangle or a ball whose material is the same everywhere.
 #[derive(Clone, Debug)]
 pub(super) struct Record {
     /// What [`Plain`] has, in the order of its fields, but for the error.
     numbers: [f64; NUMBERS],
     pub error: f64,
-    pub diffuse: Spectrum,
     /// For layers.
     pub base: Spectrum,
+    pub skin: Skin,
+}
+
+/// A material.
+#[derive(Clone, Debug)]
+pub(super) enum Skin {
+    /// Matte, with this diffuse colour.
+    Matte(Spectrum),
+    /// A sharp mirror: what it reflects at right and at grazing angles.
+    Mirror { normal: Spectrum, grazing: Spectrum },
+    /// Smooth glass.
+    Glass { ior: f64, reflect: Spectrum, transmit: Spectrum, absorption: Spectrum, priority: i32 },
+}
+
+impl Skin {
+    fn of(scene: &Scene, material: &SceneMaterial, solid: bool) -> Option<Self> {
+        let finish = material.uniform.as_ref()?;
+        if material.matte {
+            return Some(Self::Matte(finish.diffuse));
+        }
+        let glossy = finish.highlight.is_some_and(|h| !h.image);
+        let bare = finish.emission == Spectrum::ZERO && !glossy && finish.present;
+        if material.holes || material.by_lot || !bare || scene.insides.overlap {
+            return None;
+        }
+        let dull = finish.diffuse.max_element() > 0.0;
+        match finish.optics {
+            Optics::Mirror {
+                reflect: Reflectance::Curve { normal, grazing },
+                roughness,
+                covers,
+            } if !dull && !covers && is_smooth(roughness) => Some(Self::Mirror { normal, grazing }),
+            Optics::Dielectric { ior, reflect, transmit, absorption, roughness }
+                if solid && is_smooth(roughness) && material.interior == Interior::PLAIN =>
+            {
+                let priority = material.interior.priority;
+                Some(Self::Glass { ior, reflect, transmit, absorption, priority })
+            }
+            _ => None,
+        }
+    }
 }
 
 const NUMBERS: usize = 19;
@@ -55,15 +97,15 @@ impl Record {
     fn of(scene: &Scene, object: u32) -> Option<Box<Self>> {
         let Plain { base, edges, duals, normal, radius, error } = scene.world.plain(object)?;
         let info = scene.objects.get(object as usize).filter(|info| !info.combined)?;
-        let material = scene.materials.get(info.material as usize).filter(|m| m.matte)?;
-        let finish = material.uniform.as_ref()?;
+        let material = scene.materials.get(info.material as usize)?;
+        let (finish, skin) = (material.uniform.as_ref()?, Skin::of(scene, material, radius > 0.0)?);
         let mut numbers = [0.0; NUMBERS];
         let vectors = [base, edges[0], edges[1], duals[0], duals[1], normal];
         for (to, v) in numbers.chunks_exact_mut(3).zip(vectors) {
             to.copy_from_slice(&v.to_array());
         }
         numbers[18] = radius;
-        Some(Box::new(Self { numbers, error, diffuse: finish.diffuse, base: finish.base }))
+        Some(Box::new(Self { numbers, error, base: finish.base, skin }))
     }
 }
 
@@ -72,7 +114,6 @@ impl Record {
 pub(super) struct Arrivals {
     /// What was met.
     plain: [Sixteen; NUMBERS],
-    pub ids: [HitId; LANES],
     /// The rays' ends, their directions, lengths, and the errors of their origins.
     end: Vectors,
     way: Vectors,
@@ -97,7 +138,6 @@ pub(super) struct Arrived {
 impl Arrivals {
     pub const EMPTY: Self = Self {
         plain: [[0.0; LANES]; NUMBERS],
-        ids: [HitId { instance: 0, object: 0, part: 0 }; LANES],
         end: [[0.0; LANES]; 3],
         way: [[0.0; LANES]; 3],
         length: [0.0; LANES],
@@ -107,7 +147,7 @@ impl Arrivals {
 
     /// Puts a ray into a lane that has met what is recorded.
     #[inline(always)]
-    pub fn set(&mut self, lane: usize, bundle: &Bundle, from: usize, hit: &Hit, record: &Record) {
+    pub fn set(&mut self, lane: usize, bundle: &Bundle, from: usize, t: f64, record: &Record) {
         let (lane, from) = (lane % LANES, from % LANES);
         for (column, number) in self.plain.iter_mut().zip(&record.numbers) {
             column[lane] = *number;
@@ -115,10 +155,15 @@ impl Arrivals {
         for axis in 0..3 {
             let way = bundle.direction[axis][from];
             self.way[axis][lane] = way;
-            self.end[axis][lane] = bundle.origin[axis][from] + way * hit.t;
+            self.end[axis][lane] = bundle.origin[axis][from] + way * t;
         }
-        self.ids[lane] = hit.id;
-        (self.length[lane], self.error[lane], self.new[lane]) = (hit.t, bundle.error[from], 1.0);
+        (self.length[lane], self.error[lane], self.new[lane]) = (t, bundle.error[from], 1.0);
+    }
+
+    /// The directions of the rays.
+    #[inline(always)]
+    pub const fn way(&self) -> &Vectors {
+        &self.way
     }
 
     /// Leaves a lane to others.

@@ -112,15 +112,15 @@ impl<R: Recorder> Paths<'_, '_, R> {
         &mut self,
         path: &Path<R::Id>,
         ray: &Ray,
-        hit: &Hit,
+        id: &HitId,
         outside: bool,
         through: bool,
     ) -> Over {
         let casters = &self.scene.casters;
-        if hit.id.instance != HitId::NO_INSTANCE || self.anchors.is_empty() {
+        if id.instance != HitId::NO_INSTANCE || self.anchors.is_empty() {
             return Over::No;
         }
-        let object = hit.id.object;
+        let object = id.object;
         if let Over::Within(ball, pieces) = path.over {
             return match through {
                 _ if ball != object || outside => Over::No,

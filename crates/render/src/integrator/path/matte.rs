@@ -4,11 +4,12 @@
 
 use std::f64::consts::FRAC_1_PI;
 
+use dioptric_geometry::HitId;
 use dioptric_geometry::world::{Bundle, Found, Hit, Leave, Sixteen};
 use dioptric_math::wide::{Kernel, wide};
 use dioptric_math::{DVec3, Spectrum, orthonormal_basis};
 
-use super::arrive::{Arrivals, Arrive, Record, bits};
+use super::arrive::{Arrivals, Arrive, Record, Skin, bits};
 use super::manifold::{Asking, Asks, Bends, NUMBERS, Over};
 use super::weights::{MOST, SURE, WORTH, share};
 use super::{Path, Paths, Round, Wave};
@@ -105,15 +106,15 @@ impl Matte {
         path: &Path<P>,
         throughput: Spectrum,
         bundle: &Bundle,
-        hit: &Hit,
-        record: &Record,
+        t: f64,
+        (record, diffuse): (&Record, Spectrum),
     ) -> bool {
         let lane = self.count % LANES;
         self.numbers[lane] = number as u32;
-        self.arrivals.set(lane, bundle, number, hit, record);
+        self.arrivals.set(lane, bundle, number, t, record);
         self.rays.error[lane] = record.error;
         self.rays.time[lane] = bundle.time[number % LANES];
-        put(&mut self.albedo, lane, record.diffuse);
+        put(&mut self.albedo, lane, diffuse);
         self.add(lane, path, throughput)
     }
 
@@ -151,15 +152,34 @@ impl<R: Recorder> Paths<'_, '_, R> {
     ) -> bool {
         let (scene, path) = (self.scene, &round.paths[now.slots[number] as usize]);
         let (found, lane) = (&round.found[number / LANES], number % LANES);
-        let last = path.depth > scene.settings.bounces;
-        if !self.in_lanes || path.inside.is_some() || last || found.hit >> lane & 1 == 0 {
+        if !self.in_lanes {
             return false;
         }
-        let hit = Hit { t: found.t[lane], id: found.ids[lane] };
-        let dimmed = || path.throughput * scene.surroundings.transmittance(hit.t);
-        let full = if let Some(record) = scene.plains.get(&hit.id) {
-            round.matte.push_arrival(number, path, dimmed(), bundle, &hit, record)
+        if found.hit >> lane & 1 == 0 {
+            let clear = path.inside.is_none() && scene.surroundings.is_clear();
+            if clear {
+                self.see_sky(path, &bundle.query(number));
+            }
+            return clear;
+        }
+        if path.depth > scene.settings.bounces {
+            return false;
+        }
+        let t = found.t[lane];
+        let dimmed = || path.throughput * scene.surroundings.transmittance(t);
+        let full = if let Some(record) = scene.plains.get(&found.ids[lane]) {
+            match record.skin {
+                Skin::Matte(diffuse) if path.inside.is_none() => {
+                    round.matte.push_arrival(number, path, dimmed(), bundle, t, (record, diffuse))
+                }
+                Skin::Matte(_) => return false,
+                _ => return self.meet_sharp(now, number, bundle, record, round),
+            }
         } else {
+            if path.inside.is_some() {
+                return false;
+            }
+            let hit = Hit { t, id: found.ids[lane] };
             let material = &scene.materials[scene.material_index(hit.id)];
             let (true, Some(finish)) = (material.matte, &material.uniform) else { return false };
             let ray = bundle.ray(number);
@@ -179,7 +199,14 @@ impl<R: Recorder> Paths<'_, '_, R> {
     }
 
     /// Finds the points of the rays that have arrived.
-    fn arrive(&mut self, now: &Wave, matte: &mut Matte, paths: &[Path<R::Id>], all: u16) {
+    fn arrive(
+        &mut self,
+        now: &Wave,
+        found: &[Found],
+        matte: &mut Matte,
+        paths: &[Path<R::Id>],
+        all: u16,
+    ) {
         let scene = self.scene;
         let Matte { arrivals, rays, looks, geometric, .. } = matte;
         let Bundle { origin: point, error: bound, .. } = rays;
@@ -188,10 +215,12 @@ impl<R: Recorder> Paths<'_, '_, R> {
         while new != 0 {
             let lane = new.trailing_zeros() as usize % LANES;
             new &= new - 1;
-            let (id, is) = (matte.arrivals.ids[lane], |mask: u16| mask >> lane & 1 != 0);
+            let number = matte.numbers[lane] as usize;
+            let id = found[number / LANES].ids[number % LANES];
+            let is = |mask: u16| mask >> lane & 1 != 0;
             matte.rays.leaves[lane] = Leave::back(id, is(arrived.outside), None);
             if is(arrived.touching | arrived.odd) {
-                self.look_again(now, matte, lane);
+                self.look_again(now, id, matte, lane);
             }
             let path = &paths[matte.slots[lane] as usize];
             if path.depth == 0 {
@@ -207,11 +236,11 @@ impl<R: Recorder> Paths<'_, '_, R> {
 
     /// The point of a ray that is a case of its own.
     #[cold]
-    fn look_again(&self, now: &Wave, matte: &mut Matte, lane: usize) {
+    fn look_again(&self, now: &Wave, id: HitId, matte: &mut Matte, lane: usize) {
         let number = matte.numbers[lane] as usize;
         let bundle = &now.rays.bundles()[number / LANES];
         let (ray, leave) = (bundle.ray(number), &bundle.leaves[number % LANES]);
-        let hit = Hit { t: matte.arrivals.length[lane], id: matte.arrivals.ids[lane] };
+        let hit = Hit { t: matte.arrivals.length[lane], id };
         let Some(shading) = self.scene.shading(&ray, &hit) else { return };
         let point = Point::new(&ray, hit, shading, leave.departure().as_ref());
         put(&mut matte.rays.origin, lane, point.surface.point);
@@ -222,23 +251,23 @@ impl<R: Recorder> Paths<'_, '_, R> {
 
     /// Lights the matte points and sends their paths on.
     pub(super) fn scatter_matte(&mut self, now: &Wave, round: &mut Round<R::Id>) {
-        let Round { matte, next, paths, asks, bends, .. } = round;
+        let Round { matte, next, paths, asks, bends, found, .. } = round;
         let count = std::mem::take(&mut matte.count);
         if count == 0 {
             return;
         }
         let all = if count < LANES { (1 << count) - 1 } else { u16::MAX };
         let scene = self.scene;
-        self.arrive(now, matte, paths, all);
+        self.arrive(now, found, matte, paths, all);
         let asking = !scene.casters.is_empty();
         if asking {
             self.ask_over_lanes(paths, matte, count, (asks, bends));
         }
         wide(Numbers(matte));
-        let found = scene.sources.sample_lanes(scene, &mut matte.rays, &mut matte.looks, all);
+        let lights = scene.sources.sample_lanes(scene, &mut matte.rays, &mut matte.looks, all);
         let how = scene.settings.light_sampling;
         let [bright, going] = wide(Scatter { matte, how });
-        let mut lit = bright & found;
+        let mut lit = bright & lights;
         if !scene.surroundings.is_clear() || std::mem::take(&mut matte.inside) {
             lit = self.dim(paths, matte, lit, count);
         }
@@ -417,6 +446,6 @@ impl Kernel for Scatter<'_> {
 }
 
 #[inline(always)]
-fn finite(v: DVec3) -> bool {
+pub(super) fn finite(v: DVec3) -> bool {
     (v.x.abs() < f64::INFINITY) & (v.y.abs() < f64::INFINITY) & (v.z.abs() < f64::INFINITY)
 }

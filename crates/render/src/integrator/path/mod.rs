@@ -18,6 +18,7 @@ mod matte;
 mod phase;
 pub(crate) mod photons;
 mod scatter;
+mod sharp;
 mod tell;
 mod vertex;
 mod volume;
@@ -44,6 +45,7 @@ use crate::setting::render::Shadows;
 use crate::stats::RayCounts;
 use manifold::{Anchor, Asks, Bends, Over};
 use matte::Matte;
+use sharp::Sharp;
 use tell::{Told, Trail};
 
 /// Paths that are followed side by side.
@@ -153,6 +155,7 @@ struct Round<I> {
     next: Wave,
     found: Vec<Found>,
     matte: Matte,
+    sharp: Sharp,
     shadows: Vec<Query>,
     tasks: Vec<Task<I>>,
     told: Vec<Told>,
@@ -245,11 +248,15 @@ impl<'a, 'r, R: Recorder> Paths<'a, 'r, R> {
                 continue;
             }
             let hit = round.found[i / Bundle::LANES].best(i);
-            let path = round.paths[slot as usize];
-            if !self.meet(&now, i, &bundle.query(i), hit, &mut bsdf, round) && R::ENABLED {
-                round.ended.push((path.sample, path.id));
+            let ended = R::ENABLED.then(|| {
+                let path = &round.paths[slot as usize];
+                (path.sample, path.id)
+            });
+            if !self.meet(&now, i, &bundle.query(i), hit, &mut bsdf, round) {
+                round.ended.extend(ended);
             }
         }
+        self.scatter_sharp(&now, round);
         self.scatter_matte(&now, round);
         self.cast_shadows(round);
         self.answer(&mut round.asks, &mut round.bends);
@@ -408,6 +415,7 @@ impl<I> Default for Round<I> {
             next: Wave::default(),
             found: Vec::with_capacity(TOGETHER / Bundle::LANES),
             matte: Matte::new(),
+            sharp: Sharp::EMPTY,
             shadows: Vec::with_capacity(TOGETHER),
             tasks: Vec::with_capacity(TOGETHER),
             told: Vec::new(),

@@ -101,7 +101,7 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
         };
         if sharp && !scene.casters.is_empty() {
             let Point { ray, hit, outside, .. } = &vertex.point;
-            next.over = self.over(path, ray, hit, *outside, through);
+            next.over = self.over(path, ray, &hit.id, *outside, through);
         }
         let leg = if through {
             self.counts.refract += 1;

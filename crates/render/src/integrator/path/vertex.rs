@@ -155,7 +155,7 @@ impl<'a, R: Recorder> Paths<'a, '_, R> {
         path.throughput *= left;
     }
 
-    fn see_sky(&mut self, path: &Path<R::Id>, query: &Query) {
+    pub(super) fn see_sky(&mut self, path: &Path<R::Id>, query: &Query) {
         let scene = self.scene;
         let radiance = scene.background.radiance(query.ray.direction);
         if radiance == Spectrum::ZERO {
