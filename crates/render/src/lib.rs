@@ -23,6 +23,7 @@ pub mod guide;
 pub mod input;
 pub mod integrator;
 pub mod job;
+mod lanes;
 pub mod light;
 pub mod manifold;
 pub mod material;

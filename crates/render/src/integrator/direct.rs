@@ -9,12 +9,13 @@ use dioptric_math::Spectrum;
 use dioptric_math::wide::wide;
 use serde_json::json;
 
-use super::lit::{AllAdd, AllFall, Between, Block, Fall, LANES, Lit, Power, get, lanes, put};
+use super::lit::{AllAdd, AllFall, Between, Block, Fall, Lit, Power, lanes};
 use super::recorder::Recorder;
 use super::shadow::Start;
 use super::shine::shine;
 use super::told::{Sum, Told};
 use super::whitted::{Follow, Whitted};
+use crate::lanes::{LANES, get, put};
 use crate::material::Finish;
 use crate::scene::{Answer, PlacedLight};
 use crate::setting::render::Shadows;

@@ -9,9 +9,10 @@ use dioptric_geometry::{Departure, SurfacePoint};
 use dioptric_math::DVec3;
 use dioptric_math::wide::{Kernel, wide};
 
-use super::lit::{Block, LANES, Vectors, ZERO, dot, get, lanes, put};
+use super::lit::{Block, dot, lanes};
 use super::optics::facing;
 use super::point::Point;
+use crate::lanes::{LANES, Vectors, ZERO, get, put};
 use crate::scene::Answer;
 
 /// What sixteen rays met, beside what light wants to know of it ([`Block`]).

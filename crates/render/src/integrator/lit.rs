@@ -9,16 +9,9 @@ use dioptric_math::unit_powers;
 use dioptric_math::wide::Kernel;
 use dioptric_math::{DVec3, Spectrum};
 
+use crate::lanes::{LANES, Vectors, ZERO, get, put};
 use crate::light::{Sharp, Towards};
 use crate::material::{FAINTEST, Finish, Highlight, HighlightModel, whole};
-
-/// Points in a block.
-pub(super) const LANES: usize = Bundle::LANES;
-
-/// A vector or a colour of each of sixteen points.
-pub(super) type Vectors = [Sixteen; 3];
-
-pub(super) const ZERO: Vectors = [[0.0; LANES]; 3];
 
 /// Sixteen points, and what a light does to them. Where their rays start is kept beside them.
 #[derive(Clone, Debug)]
@@ -160,20 +153,6 @@ impl Block {
         let before = if lane.is_multiple_of(LANES) { Power::None } else { self.power };
         self.power = before.and(other.power);
     }
-}
-
-/// Sets one vector of sixteen.
-#[inline(always)]
-pub(super) fn put(of: &mut Vectors, lane: usize, value: DVec3) {
-    let lane = lane % LANES;
-    (of[0][lane], of[1][lane], of[2][lane]) = (value.x, value.y, value.z);
-}
-
-/// One vector of sixteen.
-#[inline(always)]
-pub(super) fn get(of: &Vectors, lane: usize) -> DVec3 {
-    let lane = lane % LANES;
-    DVec3::new(of[0][lane], of[1][lane], of[2][lane])
 }
 
 /// Products of vectors, in the order in which they are taken one by one.

@@ -6,15 +6,12 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use dioptric_geometry::world::{Bundle, Sixteen};
+use dioptric_geometry::world::Sixteen;
 use dioptric_math::wide::{Kernel, wide};
 use dioptric_math::{DVec3, half_turn_angle, turn_sin_cos};
 
 use super::bend::{At, Bender, Turn, spread, tilt};
-
-const LANES: usize = Bundle::LANES;
-type Vectors = [Sixteen; 3];
-const ZERO: Vectors = [[0.0; LANES]; 3];
+use crate::lanes::{LANES, Vectors, ZERO, bits, flags, get, put};
 
 /// Steps of Newton's method at most: near a caustic, where two ways become one, each only halves what is left.
 const STEPS: usize = 16;
@@ -135,36 +132,6 @@ impl Ways {
         let lanes = wide(Start(self, branch, lanes));
         if lanes == 0 { 0 } else { wide(Solve(self, branch, lanes)) }
     }
-}
-
-#[inline(always)]
-fn put(v: &mut Vectors, lane: usize, value: DVec3) {
-    (v[0][lane], v[1][lane], v[2][lane]) = (value.x, value.y, value.z);
-}
-
-#[inline(always)]
-const fn get(v: &Vectors, lane: usize) -> DVec3 {
-    DVec3::new(v[0][lane], v[1][lane], v[2][lane])
-}
-
-/// 1 where a lane's bit is set.
-#[inline(always)]
-fn flags(lanes: u16) -> Sixteen {
-    let mut flags = [0.0; LANES];
-    for (i, flag) in flags.iter_mut().enumerate() {
-        *flag = if lanes >> i & 1 != 0 { 1.0 } else { 0.0 };
-    }
-    flags
-}
-
-/// The bits of lanes that are not 0.
-#[inline(always)]
-fn bits(flags: &Sixteen) -> u16 {
-    let mut bits = 0;
-    for (i, flag) in flags.iter().enumerate() {
-        bits |= u16::from(*flag != 0.0) << i;
-    }
-    bits
 }
 
 struct Begin<'a>(&'a mut Ways, u16);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Which source to look for: by about what each sends to the point.
 
-use dioptric_geometry::world::{Bundle, Sixteen};
+use dioptric_geometry::world::Sixteen;
 use dioptric_math::DVec3;
 use dioptric_math::wide::{Kernel, wide};
 
@@ -192,7 +192,7 @@ impl Choice {
     }
 }
 
-const LANES: usize = Bundle::LANES;
+use crate::lanes::LANES;
 
 /// Sixteen points that choose a source each.
 #[derive(Clone, Debug)]

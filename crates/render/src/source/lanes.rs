@@ -13,7 +13,7 @@ use super::rectangle::{Look, Rectangle, Spot};
 use super::{SourceSample, Sources};
 use crate::scene::Scene;
 
-const LANES: usize = Bundle::LANES;
+use crate::lanes::LANES;
 
 /// What sixteen points look for, and what they find. Where they are and which way the light is stays with their rays.
 #[derive(Clone, Debug)]

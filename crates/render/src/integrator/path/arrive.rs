@@ -9,11 +9,9 @@ use dioptric_math::wide::Kernel;
 use dioptric_math::{DVec3, Spectrum};
 
 use crate::bsdf::is_smooth;
-use crate::integrator::lit::Vectors;
+use crate::lanes::{LANES, Vectors, bits};
 use crate::material::{Interior, Optics, Reflectance};
 use crate::scene::{Scene, SceneMaterial};
-
-const LANES: usize = Bundle::LANES;
 
 /// Scenes with more objects than this spend their time elsewhere.
 const MOST: usize = 4096;
@@ -233,14 +231,4 @@ impl Kernel for Arrive<'_> {
             odd: bits(&odd) & new,
         }
     }
-}
-
-/// A bit for each number that is not 0.
-#[inline(always)]
-pub(super) fn bits(flags: &Sixteen) -> u16 {
-    let mut bits = 0;
-    for (i, flag) in flags.iter().enumerate() {
-        bits |= u16::from(*flag != 0.0) << i;
-    }
-    bits
 }

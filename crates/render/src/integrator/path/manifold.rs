@@ -15,8 +15,8 @@ use super::tell::{Told, What};
 use super::weights::{share_of_path, share_of_question};
 use super::{Path, Paths, Round, Task};
 use crate::bsdf::cosine_pdf;
-use crate::integrator::lit::get;
 use crate::integrator::recorder::Recorder;
+use crate::lanes::get;
 use crate::manifold::bend::Bender;
 use crate::manifold::ways::{Branch, Ways};
 

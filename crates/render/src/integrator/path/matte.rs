@@ -9,23 +9,20 @@ use dioptric_geometry::world::{Bundle, Found, Hit, Leave, Sixteen};
 use dioptric_math::wide::{Kernel, wide};
 use dioptric_math::{DVec3, Spectrum, orthonormal_basis};
 
-use super::arrive::{Arrivals, Arrive, Record, Skin, bits};
+use super::arrive::{Arrivals, Arrive, Record, Skin};
 use super::manifold::{Asking, Asks, Bends, NUMBERS, Over};
 use super::weights::{MOST, SURE, WORTH, share};
 use super::{Path, Paths, Round, Wave};
 use crate::bsdf::{cosine_pdf, raised_disc};
 use crate::film::FirstHit;
-use crate::integrator::lit::{Vectors, get, put};
 use crate::integrator::point::Point;
 use crate::integrator::recorder::Recorder;
+use crate::lanes::{LANES, Vectors, ZERO, bits, get, put};
 use crate::sampling::Antialias;
 use crate::sampling::stream::Streams;
 use crate::scene::{Answer, Scene, Shading};
 use crate::setting::render::LightSampling;
 use crate::source::Looks;
-
-const LANES: usize = Bundle::LANES;
-const ZERO: Vectors = [[0.0; LANES]; 3];
 
 /// Up to sixteen points, with the paths that came there.
 pub(super) struct Matte {

@@ -7,20 +7,17 @@ use dioptric_geometry::{Contacts, Departure};
 use dioptric_math::wide::{Kernel, wide};
 use dioptric_math::{DVec3, Spectrum, orthonormal_basis};
 
-use super::arrive::{Arrivals, Arrive, Record, Skin, bits};
+use super::arrive::{Arrivals, Arrive, Record, Skin};
 use super::manifold::{NUMBERS, Over};
 use super::matte::finite;
 use super::weights::{MOST, SURE, WORTH};
 use super::{Paths, Round, Wave};
 use crate::bsdf::{Bsdf, image};
 use crate::film::FirstHit;
-use crate::integrator::lit::{Vectors, get, put};
 use crate::integrator::media::Medium;
 use crate::integrator::recorder::Recorder;
+use crate::lanes::{LANES, Vectors, ZERO, bits, get, put};
 use crate::sampling::stream::Streams;
-
-const LANES: usize = Bundle::LANES;
-const ZERO: Vectors = [[0.0; LANES]; 3];
 
 /// Up to sixteen rays that have met a mirror or glass.
 pub(super) struct Sharp {

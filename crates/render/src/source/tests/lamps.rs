@@ -9,7 +9,7 @@ use dioptric_math::{DAffine3, DVec3, atan2, normalize, orthonormal_basis, sin_co
 use dioptric_scene::Value;
 
 use super::maker::{Maker, text, v3};
-use super::patches::{BINS, Chart, rectangle};
+use super::patches::{BINS, Chart, per_coordinates, rectangle};
 use crate::scene::Scene;
 use crate::source::emitter::{Emitter, Lamp};
 use crate::source::faces::{Face, Faces};
@@ -153,13 +153,7 @@ fn what_is_found_by_its_area_is_found_as_often_as_it_says() {
     ];
     let point = v(0.3, 0.2, -0.2);
     for (i, (name, (patch, chart))) in cases.iter().enumerate() {
-        let density = |u| {
-            let (there, normal, area) = (chart.at)(u);
-            let way = there - point;
-            let met = Met { direction: way.normalize(), distance: way.length(), normal };
-            let per_area = met.direction.dot(normal).abs() / way.length_squared();
-            patch.density(point, &met) * per_area * area
-        };
+        let density = |u| per_coordinates(patch, chart, point, u);
         let draw = |u: [f64; 2]| {
             let found = patch.sample(point, u)?;
             Some((chart.coordinates)(point + found.direction * found.distance))

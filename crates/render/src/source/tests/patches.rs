@@ -90,15 +90,18 @@ fn ball(center: DVec3, radius: f64, seen_from: DVec3) -> (Patch, Chart) {
 
 pub(super) const BINS: usize = 10;
 
+/// How likely a patch is found at these coordinates from a point, per square of coordinates.
+pub(super) fn per_coordinates(patch: &Patch, chart: &Chart, point: DVec3, u: [f64; 2]) -> f64 {
+    let (there, normal, area) = (chart.at)(u);
+    let way = there - point;
+    let met = Met { direction: way.normalize(), distance: way.length(), normal };
+    let per_area = met.direction.dot(normal).abs() / way.length_squared();
+    patch.density(point, &met) * per_area * area
+}
+
 /// Chi-square of what is found, class by class of its coordinates.
 fn compare(patch: &Patch, chart: &Chart, point: DVec3, seed: u64) -> Verdict {
-    let density = |u| {
-        let (there, normal, area) = (chart.at)(u);
-        let way = there - point;
-        let met = Met { direction: way.normalize(), distance: way.length(), normal };
-        let per_area = met.direction.dot(normal).abs() / way.length_squared();
-        patch.density(point, &met) * per_area * area
-    };
+    let density = |u| per_coordinates(patch, chart, point, u);
     let draw = |u: [f64; 2]| {
         let found = patch.sample(point, u)?;
         let Found { direction, distance, normal, .. } = found;
