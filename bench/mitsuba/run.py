@@ -4,12 +4,14 @@
 
     bench/mitsuba/run.py agree [SCENE ...]    do the mean pictures agree?
     bench/mitsuba/run.py error [SCENE ...]    seconds and error at 16, 64 and 256 samples
+    bench/mitsuba/run.py keep [SCENE ...]     only the long references of `error`, into the folder KEEP
 
 Prints Markdown tables. Needs Python 3 with `pip install mitsuba numpy`. DIOPTRIC names the program, SEEDS how many
 pictures of each program a mean is made of (8), SAMPLES their samples (256), SIZE their side (128); for `error` THREADS (2),
 REFERENCE the samples of the reference (16384), ROUNDS how often each picture is made, in turn (3), VARIANTS which Mitsuba
 ("llvm_ad_rgb scalar_rgb"), CYCLES a Python with `bpy` (none: without Cycles; it renders cornell, metals, checker and sky
 only). The llvm ones need LLVM 16 or newer; DRJIT_LIBLLVM_PATH names it. PLOT names a file for a log-log plot (SVG).
+KEEP names a folder that long references are kept in, and taken from where they lie there.
 
 `agree` cuts the pictures into 8 x 8 blocks. For each block, Welch's t-test asks whether the two means are those of one
 distribution; 1 % of the blocks should be beyond the limit of 1 %.
@@ -234,10 +236,22 @@ def error(names):
 
 def long_reference(name, size, mitsuba):
     """The mean of long pictures by Dioptric and by Mitsuba, half and half: nobody's own noise is taken for the truth."""
+    kept = pathlib.Path(os.environ["KEEP"]) / f"{name}-{size}-{REFERENCE}.npy" if "KEEP" in os.environ else None
+    if kept and kept.exists():
+        return np.load(kept)
     half = max(REFERENCE // 2, 1)
-    pass_size = min(1024, half)
+    pass_size = min(512, half)
     theirs = np.mean([mitsuba(pass_size, 7000 + i)[0] for i in range(half // pass_size)], axis=0)
-    return (ours(name, size, half, 999)[0] + theirs) / 2
+    mean = (ours(name, size, half, 999)[0] + theirs) / 2
+    if kept:
+        kept.parent.mkdir(parents=True, exist_ok=True)
+        np.save(kept, mean)
+    return mean
+
+
+def keep(names):
+    for name in names:
+        long_reference(name, int(os.environ.get("SIZE", 512)), Theirs(name, int(os.environ.get("SIZE", 512)), VARIANTS[0]).render)
 
 
 COLORS = {"Dioptric": "#d55e00", "Mitsuba llvm_ad_rgb": "#0072b2", "Mitsuba scalar_rgb": "#56b4e9", "Cycles": "#009e73"}
@@ -286,9 +300,10 @@ def plot(drawn):
 
 if __name__ == "__main__":
     sys.path.insert(0, str(HERE))
-    if len(sys.argv) < 2 or sys.argv[1] not in ("agree", "error"):
+    tasks = {"agree": agree, "error": error, "keep": keep}
+    if len(sys.argv) < 2 or sys.argv[1] not in tasks:
         sys.exit(__doc__)
     mi.set_variant(VARIANTS[0])
     from scenes import SCENES
 
-    (agree if sys.argv[1] == "agree" else error)(sys.argv[2:] or list(SCENES))
+    tasks[sys.argv[1]](sys.argv[2:] or list(SCENES))
